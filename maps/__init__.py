@@ -1,0 +1,1 @@
+"""Self-organizing maps, local maps, the hybrid graph and its storage."""
