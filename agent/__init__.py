@@ -1,1 +1,32 @@
-"""From percepts to proposals: events, behaviors, mediator, mapping."""
+"""From percepts to proposals: events, the behavior contract, the mediator, path integration, mapping.
+
+The agent knows its robot only through `tolman.world.robot`; it never sees where the robot truly is.
+"""
+
+from . import events
+from .agent import Agent, Process, run
+from .behavior import Behavior, Context, NoConfig, Proposal, Transition
+from .errors import AgentError, BehaviorContractError, ConfigError, UnknownBehaviorError
+from .mediator import Candidate, Decision, Mediator, PriorityMediator
+from .path_integration import PathIntegrator
+
+__all__ = [
+    "Agent",
+    "AgentError",
+    "Behavior",
+    "BehaviorContractError",
+    "Candidate",
+    "ConfigError",
+    "Context",
+    "Decision",
+    "Mediator",
+    "NoConfig",
+    "PathIntegrator",
+    "PriorityMediator",
+    "Process",
+    "Proposal",
+    "Transition",
+    "UnknownBehaviorError",
+    "events",
+    "run",
+]

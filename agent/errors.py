@@ -1,0 +1,19 @@
+"""What can go wrong in the agent, as exceptions with one common base."""
+
+from __future__ import annotations
+
+
+class AgentError(Exception):
+    """Base of every error the agent raises."""
+
+
+class UnknownBehaviorError(AgentError, LookupError):
+    """A behavior was named that the agent does not have."""
+
+
+class BehaviorContractError(AgentError, TypeError):
+    """A behavior class does not keep the contract of `agent.behavior`."""
+
+
+class ConfigError(AgentError, ValueError):
+    """A configuration value has the wrong name, type or range."""

@@ -1,0 +1,220 @@
+"""What happens, as frozen dataclasses, and the one bus that delivers them once a tick.
+
+What a handler publishes while events are delivered waits for the next tick, so the order of events,
+and with it the run, depends on nothing but what was published.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections import defaultdict
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Event:
+    """Something that happened. time: simulated seconds since the start of the run."""
+
+    time: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ControlChanged(Event):
+    """Another behavior drives from this tick on. `wanted`: name -> activation of all that proposed."""
+
+    previous: str | None
+    winner: str | None
+    reason: str
+    wanted: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BehaviorStarted(Event):
+    """A behavior was given a goal and takes part in arbitration from the next tick on."""
+
+    behavior: str
+    goal: Any = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BehaviorFinished(Event):
+    """A behavior reached its goal (`succeeded`) or gave it up; it proposes no more until started again."""
+
+    behavior: str
+    succeeded: bool
+    reason: str = ""
+    result: Any = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BehaviorFaulted(Event):
+    """A behavior was stopped because it broke the contract; `disabled` says that it stays so."""
+
+    behavior: str
+    state: str
+    fault: str
+    disabled: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CornerReached(Event):
+    """The wall follower stands at a corner, before turning.
+
+    kind: "concave" (a wall ahead) or "convex" (the wall at the side ended).
+    path_length: m driven since the last corner, turns in place not counted.
+    heading: rad, path-integrated, of the wall just followed (wall tangent removed).
+    """
+
+    side: str
+    kind: str
+    path_length: float
+    heading: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CornerTurned(Event):
+    """The wall follower has the next wall at its side. turn: rad, counter-clockwise, between the walls."""
+
+    side: str
+    kind: str
+    turn: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NodeCreated(Event):
+    """The map has a new node."""
+
+    node: int
+    corner: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ArcAdded(Event):
+    """Two nodes were joined by an arc and its reverse. distance: m."""
+
+    source: int
+    target: int
+    side: str
+    distance: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LocalMapBuilt(Event):
+    """The space and the views around a node were explored and its self-organizing maps trained."""
+
+    node: int
+    positions: int
+    panoramas: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoopClosed(Event):
+    """The robot recognized that it is back at `node`."""
+
+    node: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NodeReached(Event):
+    """Navigation holds that the robot stands at `node`."""
+
+    node: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lost(Event):
+    """The robot no longer knows where it is."""
+
+    reason: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stuck(Event):
+    """The wheels turn and nothing that is sensed changes."""
+
+    reason: str
+
+
+E = TypeVar("E", bound=Event)
+Handler = Callable[[Any], None]
+
+
+class Subscription:
+    """A handle on one subscription; `cancel` ends it."""
+
+    __slots__ = ("_bus", "event_type", "handler", "owner")
+
+    def __init__(self, bus: EventBus, event_type: type[Event], handler: Handler, owner: str) -> None:
+        """Made by `EventBus.subscribe`."""
+        self._bus = bus
+        self.event_type = event_type
+        self.handler = handler
+        self.owner = owner
+
+    def cancel(self) -> None:
+        """Ends the subscription; more than once does no harm."""
+        self._bus.remove(self)
+
+
+class EventBus:
+    """Queues events and delivers them in the order in which they were published."""
+
+    def __init__(self, limit_per_tick: int = 1000) -> None:
+        """`limit_per_tick`: events beyond it are refused, so that a flood cannot stop the run."""
+        self._limit = limit_per_tick
+        self._queue: list[Event] = []
+        self._handlers: dict[type[Event], list[Subscription]] = defaultdict(list)
+        self.dropped = 0
+
+    def subscribe(self, event_type: type[E], handler: Callable[[E], None], owner: str = "") -> Subscription:
+        """Has `handler` called with each event of the type (or a subtype) at the end of its tick."""
+        subscription = Subscription(self, event_type, handler, owner)
+        self._handlers[event_type].append(subscription)
+        return subscription
+
+    def remove(self, subscription: Subscription) -> None:
+        """Ends one subscription."""
+        entries = self._handlers.get(subscription.event_type, [])
+        if subscription in entries:
+            entries.remove(subscription)
+
+    def subscriptions(self, owner: str) -> list[Subscription]:
+        """The subscriptions made in this owner's name."""
+        return [entry for entries in self._handlers.values() for entry in entries if entry.owner == owner]
+
+    def publish(self, event: Event) -> bool:
+        """Queues an event; False if the tick's limit is reached and it was dropped."""
+        if len(self._queue) >= self._limit:
+            self.dropped += 1
+            return False
+        self._queue.append(event)
+        return True
+
+    def deliver(self) -> int:
+        """Delivers what is queued now and returns how many events; called once a tick by the agent.
+
+        A handler that raises is removed and the fault logged: the other handlers still hear the event.
+        """
+        if not self._queue:
+            return 0
+        queue, self._queue = self._queue, []
+        for event in queue:
+            for event_type in type(event).__mro__[:-1]:
+                for subscription in tuple(self._handlers.get(event_type, ())):
+                    self._call(subscription, event)
+        return len(queue)
+
+    def _call(self, subscription: Subscription, event: Event) -> None:
+        if not subscription.owner:
+            # The agent's own parts: a fault of theirs must end the run, not be hidden.
+            subscription.handler(event)
+            return
+        try:
+            subscription.handler(event)
+        except Exception as fault:
+            subscription.cancel()
+            _log.error("handler of %s for %s raised %r and was removed", subscription.owner, event, fault)
