@@ -140,7 +140,7 @@ class Behavior(ABC):
         return self._holder.state
 
     def fire(self, trigger: str) -> None:
-        """Takes the transition of that name. Raises: BehaviorContractError if the table has none from here."""
+        """Takes the transition of that name. Raises: BehaviorContractError if there is none from here."""
         if (self._holder.state, trigger) not in self._allowed:
             known = sorted(name for source, name in self._allowed if source is self._holder.state)
             raise BehaviorContractError(
