@@ -1,0 +1,8 @@
+# Every target is a forward: scripts/bootstrap.py sets .venv up when needed, and also runs without make.
+PYTHON3 ?= python3
+ARGS ?=
+
+.PHONY: setup demo test lint format
+.NOTPARALLEL:
+setup demo test lint format:
+	@$(PYTHON3) scripts/bootstrap.py $@ $(ARGS)
