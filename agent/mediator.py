@@ -47,6 +47,8 @@ class PriorityMediator:
     Section 3.2 gives the layers but no order: ours is in docs/decisions.
     """
 
+    name = "priority"
+
     def __init__(self, hysteresis: float = 0.1, threshold: float = 0.05) -> None:
         """threshold: proposals with less activation count as not made."""
         self.hysteresis = hysteresis

@@ -1,0 +1,231 @@
+"""Finds behaviors and mediators: entry points of installed distributions and .py files in folders.
+
+Nothing is imported that is not asked for, but for the files of the folders: only importing tells which
+classes they define. A broken plugin nobody asked for is kept in `Catalog.broken`, it stops nobody else.
+"""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import importlib.util
+import inspect
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from ..agent.behavior import Behavior, check_declarations
+from ..agent.errors import AgentError
+from ..agent.mediator import Mediator
+from .errors import BrokenPluginError, DuplicatePluginError, PluginError, UnknownPluginError
+
+BEHAVIORS = "tolman.behaviors"
+MEDIATORS = "tolman.mediators"
+_KINDS = {BEHAVIORS: "behavior", MEDIATORS: "mediator"}
+
+
+@dataclass(frozen=True, slots=True)
+class Plugin:
+    """One plugin that was found: its name, its group, where it comes from and how to load its class."""
+
+    name: str
+    group: str
+    origin: str
+    load: Callable[[], type[Any]]
+
+
+class Catalog:
+    """All plugins that were found, by group and name."""
+
+    def __init__(self) -> None:
+        """Empty; `discover` fills one."""
+        self._plugins: dict[str, dict[str, Plugin]] = {group: {} for group in _KINDS}
+        self.broken: dict[str, str] = {}
+
+    def add(self, plugin: Plugin) -> None:
+        """Takes a plugin in. Raises: DuplicatePluginError if another origin has its name already."""
+        known = self._plugins[plugin.group]
+        other = known.get(plugin.name)
+        if other is not None and other.origin != plugin.origin:
+            raise DuplicatePluginError(
+                f"two {_KINDS[plugin.group]}s are named {plugin.name!r}: {other.origin} and "
+                f"{plugin.origin}; rename or leave out one"
+            )
+        known[plugin.name] = plugin
+
+    def plugins(self, group: str = BEHAVIORS) -> dict[str, Plugin]:
+        """The plugins of a group by name, sorted."""
+        return dict(sorted(self._plugins[group].items()))
+
+    def find(self, name: str, group: str = BEHAVIORS) -> Plugin:
+        """The plugin of that name. Raises: UnknownPluginError with the nearest and the known names."""
+        known = self._plugins[group]
+        if name in known:
+            return known[name]
+        nearest = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+        hint = f"did you mean {nearest[0]!r}? " if nearest else ""
+        names = ", ".join(sorted(known)) or "none"
+        broken = "".join(f"; could not be read: {origin} ({why})" for origin, why in self.broken.items())
+        raise UnknownPluginError(f"unknown {_KINDS[group]} {name!r}; {hint}known: {names}{broken}")
+
+
+def discover(folders: Iterable[Path | str] = ()) -> Catalog:
+    """Finds all plugins: those of installed distributions, then the .py files of the folders.
+
+    Raises: PluginError if a folder is none, DuplicatePluginError if two plugins share a name.
+    """
+    catalog = Catalog()
+    for group in _KINDS:
+        for entry in entry_points(group=group):
+            catalog.add(Plugin(entry.name, group, _origin(entry), _entry_loader(entry, group)))
+    for folder in folders:
+        for path in plugin_files(Path(folder)):
+            try:
+                found = plugins_in(path)
+            except BrokenPluginError as fault:
+                catalog.broken[str(path)] = str(fault)
+                continue
+            for plugin in found:
+                catalog.add(plugin)
+    return catalog
+
+
+def plugin_files(folder: Path) -> list[Path]:
+    """The .py files of a folder that may hold plugins, sorted; tests and names with `_` first are not."""
+    if not folder.is_dir():
+        raise PluginError(f"plugin folder {folder}: no such folder; give one that holds .py files")
+    skipped = ("_", "test_", "conftest", "setup.py")
+    return sorted(path for path in folder.glob("*.py") if not path.name.startswith(skipped))
+
+
+def plugins_in(path: Path) -> list[Plugin]:
+    """The behaviors and mediators that one .py file defines (not those it imports).
+
+    Raises: BrokenPluginError if importing it fails; it names the file and the fault.
+    """
+    module = import_file(path)
+    origin = f"file {path}"
+    found = []
+    for value in vars(module).values():
+        if not inspect.isclass(value) or value.__module__ != module.__name__ or inspect.isabstract(value):
+            continue
+        group = _group_of(value)
+        if group is not None:
+            found.append(Plugin(_checked(value, group, origin).name, group, origin, _constant(value)))
+    return found
+
+
+def import_file(path: Path) -> ModuleType:
+    """Imports a .py file under a name of its own, so that no two files get in each other's way."""
+    path = path.resolve()
+    digest = hashlib.sha256(str(path).encode()).hexdigest()[:12]
+    name = f"tolman_plugin_{path.stem}_{digest}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise BrokenPluginError(f"{path}: not a Python file")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # dataclasses look their module up there
+    try:
+        spec.loader.exec_module(module)
+    except Exception as fault:
+        del sys.modules[name]
+        raise BrokenPluginError(f"{path}: importing it raised {type(fault).__name__}: {fault}") from fault
+    return module
+
+
+def load_behaviors(
+    names: Sequence[str] | None = None, folders: Iterable[Path | str] = ()
+) -> dict[str, type[Behavior]]:
+    """The behavior classes of these names, or all that can be loaded, by name.
+
+    Raises: UnknownPluginError, DuplicatePluginError; BrokenPluginError for a broken one asked for by name.
+    """
+    catalog = discover(folders)
+    if names is not None:
+        return {name: catalog.find(name).load() for name in names}
+    classes: dict[str, type[Behavior]] = {}
+    for name, plugin in catalog.plugins().items():
+        try:
+            classes[name] = plugin.load()
+        except BrokenPluginError as fault:
+            catalog.broken[plugin.origin] = str(fault)
+    return classes
+
+
+def build_behaviors(
+    names: Sequence[str] | None = None,
+    folders: Iterable[Path | str] = (),
+    configs: Mapping[str, Mapping[str, Any]] | None = None,
+) -> dict[str, Behavior]:
+    """New behaviors by name; `configs`: name -> settings, as a configuration file gives them.
+
+    Raises: what `load_behaviors` does, ConfigError for a wrong setting, UnknownPluginError for settings of
+    a behavior that is not there.
+    """
+    classes = load_behaviors(names, folders)
+    settings = dict(configs or {})
+    for name in settings:
+        if name not in classes:
+            raise UnknownPluginError(
+                f"settings for {name!r}, which is not loaded; loaded: {', '.join(sorted(classes)) or 'none'}"
+            )
+    return {name: cls(**settings.get(name, {})) for name, cls in classes.items()}
+
+
+def load_mediator(name: str = "priority", folders: Iterable[Path | str] = ()) -> Mediator:
+    """A new mediator of that name, with its default settings. Raises: UnknownPluginError."""
+    mediator: Mediator = discover(folders).find(name, MEDIATORS).load()()
+    return mediator
+
+
+def _origin(entry: EntryPoint) -> str:
+    distribution = entry.dist.name if entry.dist is not None else "unknown distribution"
+    return f"{distribution} ({entry.value})"
+
+
+def _entry_loader(entry: EntryPoint, group: str) -> Callable[[], type[Any]]:
+    def load() -> type[Any]:
+        try:
+            value = entry.load()
+        except Exception as fault:
+            raise BrokenPluginError(
+                f"{_KINDS[group]} {entry.name!r} of {_origin(entry)}: loading it raised "
+                f"{type(fault).__name__}: {fault}"
+            ) from fault
+        if _group_of(value) != group:
+            raise BrokenPluginError(f"{entry.name!r} of {_origin(entry)} is not a {_KINDS[group]} class")
+        cls = _checked(value, group, _origin(entry))
+        if cls.name != entry.name:
+            raise BrokenPluginError(
+                f"{_origin(entry)} is entered as {entry.name!r} but its class says name = {cls.name!r}"
+            )
+        return cls
+
+    return load
+
+
+def _constant(value: type[Any]) -> Callable[[], type[Any]]:
+    return lambda: value
+
+
+def _group_of(value: Any) -> str | None:
+    if not inspect.isclass(value):
+        return None
+    if issubclass(value, Behavior):
+        return BEHAVIORS
+    if callable(getattr(value, "arbitrate", None)) and getattr(value, "name", ""):
+        return MEDIATORS
+    return None
+
+
+def _checked(cls: type[Any], group: str, origin: str) -> type[Any]:
+    if group == BEHAVIORS:
+        try:
+            check_declarations(cls)
+        except AgentError as fault:
+            raise BrokenPluginError(f"{origin}: {fault}") from fault
+    return cls
