@@ -1,4 +1,4 @@
-"""Sets tolman up in `.venv`, once, and runs a target there: `python3 scripts/bootstrap.py TARGET [ARGUMENTS]`.
+"""Sets tolman up in `.venv`, once, and runs a target there: `python3 scripts/bootstrap.py TARGET [ARGS]`.
 
 Standard library alone, and written so that a Python too old for tolman can still read it and say so. `make`
 only forwards to this file. Exit status: the target's own; 2 when the machine lacks something, with one line
@@ -16,6 +16,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
 VENV = ROOT / ".venv"
@@ -76,7 +77,7 @@ def check_libraries() -> None:
     raise SetupError("missing system libraries {}; install them with: {}".format(", ".join(missing), command))
 
 
-def probe(executable: str) -> dict | None:
+def probe(executable: str) -> dict[str, Any] | None:
     """What the interpreter `executable` offers, or None if it does not run."""
     try:
         # -E and a neutral folder: nothing of PYTHONPATH or of this checkout may shadow the standard library.
@@ -110,7 +111,7 @@ def candidates() -> list[str]:
     return list(dict.fromkeys(found))
 
 
-def fault_of(python: dict) -> str:
+def fault_of(python: dict[str, Any]) -> str:
     """Why this interpreter will not do, or nothing."""
     version = tuple(python["version"][:2])
     if python["implementation"] != "cpython":
@@ -126,7 +127,7 @@ def fault_of(python: dict) -> str:
     return ""
 
 
-def find_python() -> dict:
+def find_python() -> dict[str, Any]:
     """The first interpreter that can run tolman, as `probe` describes it.
 
     Raises: SetupError if there is none, with the reason for the nearest miss.
@@ -144,7 +145,7 @@ def find_python() -> dict:
     )
 
 
-def fingerprint(python: dict) -> str:
+def fingerprint(python: dict[str, Any]) -> str:
     """Changes when anything does that the installed environment depends on."""
     digest = hashlib.sha256()
     for part in (ROOT / "pyproject.toml", ROOT / "constraints.txt", Path(__file__)):
@@ -177,7 +178,7 @@ def call(command: list[str], what: str) -> None:
         raise SetupError(f"cannot {what}: the command above ended with status {status}")
 
 
-def make_environment(python: dict) -> None:
+def make_environment(python: dict[str, Any]) -> None:
     """Makes `.venv` anew if the one that stands was made by another Python or for another place."""
     usable = probe(str(venv_python())) if venv_python().exists() else None
     if usable and usable["version"] == python["version"] and Path(usable["path"]).parent.parent == VENV:
@@ -188,7 +189,7 @@ def make_environment(python: dict) -> None:
     call([python["path"], "-m", "venv", *extra, str(VENV)], "make .venv")
 
 
-def install(python: dict, extras: set[str]) -> None:
+def install(python: dict[str, Any], extras: set[str]) -> None:
     """Installs tolman, editable, with its pinned dependencies into `.venv`."""
     target = str(ROOT) + ("[{}]".format(",".join(sorted(extras))) if extras else "")
     options = ["--disable-pip-version-check", "--quiet", "-c", str(ROOT / "constraints.txt"), "-e", target]
