@@ -76,12 +76,14 @@ class CornerReached(Event):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CornerTurned(Event):
-    """The wall follower has the next wall at its side. turn: rad, counter-clockwise, between the walls."""
+class WallMet(Event):
+    """The wall follower has followed enough of a wall to know its direction.
+
+    heading: rad, path-integrated, of the wall. After a corner: `CornerReached` told that of the wall before.
+    """
 
     side: str
-    kind: str
-    turn: float
+    heading: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,0 +1,54 @@
+"""Elementary motion: wheel commands for turning in place and for driving along a heading."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from ..world.robot import CONTROL_PERIOD, Percept, RobotGeometry, WheelCommand
+
+
+def spin_command(geometry: RobotGeometry, remaining: float, limit: float) -> WheelCommand:
+    """A turn in place by `remaining` (rad, counter-clockwise) or what `limit` (steps/s) allows in a tick."""
+    speed = remaining / (2.0 * geometry.radians_per_step * CONTROL_PERIOD)
+    speed = max(-limit, min(limit, speed))
+    return WheelCommand(-speed, speed)
+
+
+def drive_command(geometry: RobotGeometry, speed: float, turn_rate: float) -> WheelCommand:
+    """`speed` (steps/s, negative is backwards) while turning at `turn_rate` (rad/s, counter-clockwise)."""
+    limit = 0.8 * abs(speed)
+    difference = 0.5 * turn_rate / geometry.radians_per_step
+    difference = max(-limit, min(limit, difference))
+    return WheelCommand(speed - difference, speed + difference)
+
+
+def obstacles(percept: Percept, geometry: RobotGeometry) -> list[tuple[float, float]]:
+    """Points (m, robot frame) that the infrared sensors hit, those out of range left out."""
+    points = []
+    far = geometry.infrared_response[-1][1]
+    for value, angle in zip(percept.infrared, geometry.infrared_angles, strict=True):
+        if value > far:
+            reach = geometry.body_radius + geometry.infrared_distance(value)
+            points.append((reach * math.cos(angle), reach * math.sin(angle)))
+    return points
+
+
+def is_free(
+    points: Iterable[tuple[float, float]], geometry: RobotGeometry, way: float, margin: float
+) -> bool:
+    """Whether the shell keeps `margin` (m) from all points while driving `way` (m; negative: backwards).
+
+    Points that the drive leaves behind do not count: whoever stands close to a wall may turn and go away.
+    """
+    clearance = (geometry.body_radius + margin) ** 2
+    direction = 1.0 if way >= 0.0 else -1.0
+    length = abs(way)
+    for x, y in points:
+        along = x * direction
+        if along <= 0.0:
+            continue
+        beyond = max(0.0, along - length)
+        if beyond * beyond + y * y < clearance:
+            return False
+    return True

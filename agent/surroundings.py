@@ -1,0 +1,154 @@
+"""What the infrared sensors say about walls: points, and a filtered line at the robot's side.
+
+Robot frame: x forward, y left (m). A `SideView` mirrors everything for a wall on the left, so that whoever
+uses it can think of the wall as being on the right: turning away from it is always positive.
+"""
+
+from __future__ import annotations
+
+import math
+
+from ..world.robot import Percept, RobotGeometry
+
+_RIGHT = (0, 7, 1, 2, 3)
+_LEFT = (7, 0, 6, 5, 4)
+
+
+class SideView:
+    """One side's sensors as if the wall were on the right. Distances are from the rim (m), inf if none.
+
+    near, far: the front sensors on the wall's side and on the other. sign: +1 right, -1 left; multiply a
+    mirrored turn by it to get a counter-clockwise one.
+    """
+
+    __slots__ = (
+        "_angles",
+        "_index",
+        "_radius",
+        "diagonal",
+        "far",
+        "geometry",
+        "near",
+        "rear",
+        "side",
+        "sign",
+    )
+
+    def __init__(self, geometry: RobotGeometry, side: str) -> None:
+        """side: "right" or "left"."""
+        self.geometry = geometry
+        self.sign = 1.0 if side == "right" else -1.0
+        self._index = _RIGHT if side == "right" else _LEFT
+        self._radius = geometry.body_radius
+        angles = geometry.infrared_angles
+        self._angles = tuple((math.cos(angles[i]), math.sin(angles[i])) for i in _RIGHT)
+        self.near = self.far = self.diagonal = self.side = self.rear = math.inf
+
+    def read(self, percept: Percept) -> None:
+        """Takes over one percept. Called once a tick."""
+        infrared, distance = percept.infrared, self.geometry.infrared_distance
+        near, far, diagonal, side, rear = self._index
+        self.near = distance(infrared[near])
+        self.far = distance(infrared[far])
+        self.diagonal = distance(infrared[diagonal])
+        self.side = distance(infrared[side])
+        self.rear = distance(infrared[rear])
+
+    def side_wall(self) -> tuple[float, float] | None:
+        """(distance, angle) of the line through what the side and diagonal sensors hit, or None.
+
+        distance: from the robot's center (m). angle: of the robot's heading from the wall (rad), positive
+        when it points away from the wall.
+        """
+        if self.side == math.inf or self.diagonal == math.inf:
+            return None
+        cos_d, sin_d = self._angles[2]
+        cos_s, sin_s = self._angles[3]
+        reach_d, reach_s = self._radius + self.diagonal, self._radius + self.side
+        x1, y1 = reach_s * cos_s, reach_s * sin_s
+        x2, y2 = reach_d * cos_d, reach_d * sin_d
+        dx, dy = x2 - x1, y2 - y1
+        length = math.hypot(dx, dy)
+        return abs(x1 * dy - y1 * dx) / length, -math.atan2(dy, dx)
+
+    def front_wall(self) -> tuple[float, float] | None:
+        """(distance, angle) of the wall ahead: from the center (m), and how far to turn away to be parallel.
+
+        From both front sensors the line through their hits; from one alone, as if it stood across.
+        """
+        near, far = self.near, self.far
+        if near == math.inf and far == math.inf:
+            return None
+        cos_f, sin_f = self._angles[0]
+        if near == math.inf or far == math.inf:
+            reach = self._radius + min(near, far)
+            return reach * cos_f, 0.5 * math.pi
+        x1, y1 = (self._radius + near) * cos_f, (self._radius + near) * sin_f
+        x2, y2 = (self._radius + far) * cos_f, -(self._radius + far) * sin_f
+        dx, dy = x2 - x1, y2 - y1
+        length = math.hypot(dx, dy)
+        return abs(x1 * dy - y1 * dx) / length, math.atan2(dy, dx)
+
+
+class WallFilter:
+    """Kalman filter of the side wall: distance of the center (m) and the heading from the wall (rad).
+
+    Predicted by path integration, corrected by `SideView.side_wall`. `turn_noise` and `range_noise` are the
+    standard deviations of one tick's turn and of one line's distance and angle.
+    """
+
+    __slots__ = ("_p00", "_p01", "_p11", "angle", "distance", "samples")
+
+    turn_noise = 0.002
+    drive_noise = 0.0001
+    distance_noise = 0.0007
+    angle_noise = 0.018
+
+    def __init__(self, distance: float, angle: float = 0.0, spread: float = 0.1) -> None:
+        """Starts at a guess with standard deviations of 1 cm and `spread` rad."""
+        self.distance, self.angle = distance, angle
+        self._p00, self._p01, self._p11 = 1e-4, 0.0, spread * spread
+        self.samples = 0
+
+    @property
+    def angle_deviation(self) -> float:
+        """Standard deviation (rad) of the angle."""
+        return math.sqrt(self._p11)
+
+    def predict(self, driven: float, turned: float) -> None:
+        """One tick of path integration: driven (m), turned (rad, away from the wall is positive)."""
+        self.distance += driven * math.sin(self.angle + 0.5 * turned)
+        self.angle += turned
+        p01, p11 = self._p01, self._p11
+        self._p00 += 2.0 * driven * p01 + driven * driven * p11 + self.drive_noise * self.drive_noise
+        self._p01 = p01 + driven * p11
+        self._p11 = p11 + self.turn_noise * self.turn_noise
+
+    def correct(self, wall: tuple[float, float], gate: float = 4.0) -> bool:
+        """Takes a measured line; False if it lies outside the gate (standard deviations) and was refused."""
+        dd, da = wall[0] - self.distance, wall[1] - self.angle
+        s00 = self._p00 + self.distance_noise**2
+        s11 = self._p11 + self.angle_noise**2
+        if dd * dd > gate * gate * s00 + 1e-6 or da * da > gate * gate * s11 + 1e-4:
+            return False
+        self._scalar(dd, s00, True)
+        self._scalar(wall[1] - self.angle, self._p11 + self.angle_noise**2, False)
+        self.samples += 1
+        return True
+
+    def correct_distance(self, distance: float) -> None:
+        """Takes a distance alone, where the diagonal sensor sees nothing of the wall."""
+        innovation = distance - self.distance
+        if abs(innovation) < 0.02:
+            self._scalar(innovation, self._p00 + self.distance_noise**2, True)
+
+    def _scalar(self, innovation: float, variance: float, on_distance: bool) -> None:
+        p00, p01, p11 = self._p00, self._p01, self._p11
+        if on_distance:
+            k0, k1 = p00 / variance, p01 / variance
+            self._p00, self._p01, self._p11 = (1 - k0) * p00, (1 - k0) * p01, p11 - k1 * p01
+        else:
+            k0, k1 = p01 / variance, p11 / variance
+            self._p00, self._p01, self._p11 = p00 - k0 * p01, (1 - k1) * p01, (1 - k1) * p11
+        self.distance += k0 * innovation
+        self.angle += k1 * innovation

@@ -1,0 +1,252 @@
+"""Local exploration: drives over the rigid graph around a node, sampling places and views (section 3.4.3)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+import numpy as np
+
+from ..agent.behavior import Behavior, Context, Proposal, Transition
+from ..agent.goals import ExploreLocally, LocalSamples
+from ..agent.motion import drive_command, is_free, obstacles, spin_command
+from ..agent.rigid_graph import Cell, RigidGraph
+from ..world.robot import STOP, Image, Percept, Pose, WheelCommand, wrap_angle
+
+
+@dataclass(frozen=True, slots=True)
+class LocalExplorationConfig:
+    """Settings of local exploration.
+
+    rows, columns, spacing (m): the rigid graph. position_interval, panorama_interval (m): how far apart
+    samples are taken. speed, turn_speed: steps/s. margin: free space (m) left between shell and obstacle
+    where the robot goes; stop_margin: the same while driving.
+    """
+
+    rows: int = 5
+    columns: int = 5
+    spacing: float = 0.05
+    position_interval: float = 0.02
+    panorama_interval: float = 0.04
+    speed: float = 233.0
+    turn_speed: float = 300.0
+    margin: float = 0.010
+    stop_margin: float = 0.006
+
+
+class Exploring(Enum):
+    """What local exploration is doing."""
+
+    PLAN = "plan"
+    AIM = "aim"
+    DRIVE = "drive"
+    RETREAT = "retreat"
+    VIEW = "view"
+    SQUARE_UP = "square-up"
+
+
+class LocalExploration(Behavior):
+    """Explores the space around the node the robot stands at and comes back to it.
+
+    Goal: `agent.goals.ExploreLocally`. Finishes with `LocalSamples` as result, standing at the node again
+    with the heading it came with.
+    """
+
+    name = "local-exploration"
+    priority = 40
+    States = Exploring
+    initial = Exploring.PLAN
+    Config = LocalExplorationConfig
+    transitions = (
+        Transition("aim", (Exploring.PLAN, Exploring.VIEW), Exploring.AIM),
+        Transition("go", Exploring.AIM, Exploring.DRIVE),
+        Transition("blocked", (Exploring.AIM, Exploring.RETREAT), Exploring.PLAN),
+        Transition("retreat", Exploring.DRIVE, Exploring.RETREAT),
+        Transition("arrived", Exploring.DRIVE, Exploring.PLAN),
+        Transition("view", (Exploring.DRIVE, Exploring.PLAN), Exploring.VIEW),
+        Transition("plan", Exploring.VIEW, Exploring.PLAN),
+        Transition("home", Exploring.PLAN, Exploring.SQUARE_UP),
+    )
+    config: LocalExplorationConfig
+
+    def on_reset(self) -> None:
+        """Forgets the place it was exploring."""
+        config = self.config
+        self._rigid = RigidGraph(config.rows, config.columns, config.spacing)
+        self._pose = Pose()
+        self._here: Cell = self._rigid.center
+        self._target: Cell | None = None
+        self._queue: list[Cell] = []
+        self._visited: set[Cell] = {self._here}
+        self._given_up = 0
+        self._homing = False
+        self._positions: list[tuple[float, float]] = []
+        self._view_places: list[tuple[float, float]] = []
+        self._panoramas: list[list[Image]] = []
+        self._views: dict[int, Image] = {}
+        self._headings: list[int] = []
+
+    def on_start(self, goal: Any, context: Context) -> None:
+        """Takes an `ExploreLocally` goal. Raises: TypeError for anything else."""
+        if not isinstance(goal, ExploreLocally):
+            raise TypeError(f"{self.name} needs an ExploreLocally goal, not {goal!r}")
+        self._queue = self._rigid.order(goal.strategy)
+
+    def propose(self, percept: Percept, context: Context) -> Proposal:
+        """One tick of exploring."""
+        self._integrate(context)
+        state = self.state
+        if state is Exploring.PLAN:
+            command = self._plan(context)
+        elif state is Exploring.AIM:
+            command = self._aim(percept, context)
+        elif state is Exploring.DRIVE:
+            command = self._drive(percept, context)
+        elif state is Exploring.RETREAT:
+            command = self._retreat(percept, context)
+        elif state is Exploring.VIEW:
+            command = self._view(context)
+        else:
+            command = self._square_up(context)
+        return Proposal(command, 1.0, state.value)
+
+    # --- states --------------------------------------------------------------------------------------
+
+    def _plan(self, context: Context) -> WheelCommand:
+        if self._due(self._view_places, self.config.panorama_interval):
+            self._begin_view()
+            return STOP
+        self._target = self._next_cell()
+        self.fire("home" if self._target is None else "aim")
+        return STOP
+
+    def _next_cell(self) -> Cell | None:
+        """The next node to drive to, a neighbor of this one; None when home again."""
+        while self._queue:
+            goal = self._queue[0]
+            if goal in self._visited:
+                self._queue.pop(0)
+                continue
+            path = self._rigid.path(self._here, goal)
+            if path:
+                return path[0]
+            self._queue.pop(0)
+            self._given_up += 1
+        path = self._rigid.path(self._here, self._rigid.center)
+        return path[0] if path else None
+
+    def _aim(self, percept: Percept, context: Context) -> WheelCommand:
+        assert self._target is not None
+        x, y, bearing = self._to(self._target)
+        remaining = wrap_angle(bearing - self._pose.heading)
+        if abs(remaining) > 0.006:
+            return spin_command(context.geometry, remaining, self.config.turn_speed)
+        points = obstacles(percept, context.geometry)
+        if not is_free(points, context.geometry, math.hypot(x, y), self.config.margin):
+            self._rigid.block(self._here, self._target)
+            self.fire("blocked")
+        else:
+            self.fire("go")
+        return STOP
+
+    def _drive(self, percept: Percept, context: Context) -> WheelCommand:
+        assert self._target is not None
+        x, y, bearing = self._to(self._target)
+        error = wrap_angle(bearing - self._pose.heading)
+        remaining = math.hypot(x, y) * math.cos(error)
+        if remaining < 0.001:
+            self._here = self._target
+            self._visited.add(self._target)
+            self.fire("arrived")
+            return STOP
+        if self._due(self._view_places, self.config.panorama_interval):
+            self._begin_view()
+            return STOP
+        points = obstacles(percept, context.geometry)
+        if not is_free(points, context.geometry, min(remaining, 0.01), self.config.stop_margin):
+            self._rigid.block(self._here, self._target)
+            self.fire("retreat")
+            return STOP
+        return drive_command(
+            context.geometry, self._speed(remaining, context), 3.0 * max(-0.3, min(0.3, error))
+        )
+
+    def _retreat(self, percept: Percept, context: Context) -> WheelCommand:
+        """Backwards, the way it came, to the node it left."""
+        x, y, bearing = self._to(self._here)
+        error = wrap_angle(bearing + math.pi - self._pose.heading)
+        remaining = math.hypot(x, y) * math.cos(error)
+        if remaining < 0.001:
+            self.fire("blocked")
+            return STOP
+        speed = -self._speed(remaining, context)
+        return drive_command(context.geometry, speed, 3.0 * max(-0.3, min(0.3, error)))
+
+    def _view(self, context: Context) -> WheelCommand:
+        """Turns to the four directions of the local frame, one after the other, and looks."""
+        if not self._headings:
+            self._panoramas.append([self._views[k] for k in range(4)])
+            self._view_places.append((self._pose.x, self._pose.y))
+            self._views = {}
+            self.fire("plan" if self._target in (None, self._here) else "aim")
+            return STOP
+        remaining = wrap_angle(0.5 * math.pi * self._headings[0] - self._pose.heading)
+        if abs(remaining) > 0.004:
+            return spin_command(context.geometry, remaining, self.config.turn_speed)
+        self._views[self._headings.pop(0)] = context.look()
+        return STOP
+
+    def _square_up(self, context: Context) -> WheelCommand:
+        remaining = wrap_angle(-self._pose.heading)
+        if abs(remaining) > 0.004:
+            return spin_command(context.geometry, remaining, self.config.turn_speed)
+        self.finish(True, f"{len(self._visited)} places, {self._given_up} given up", self._samples())
+        return STOP
+
+    # --- parts of states -----------------------------------------------------------------------------
+
+    def _integrate(self, context: Context) -> None:
+        pose = self._pose
+        middle = pose.heading + 0.5 * context.turn
+        self._pose = Pose(
+            pose.x + context.distance * math.cos(middle),
+            pose.y + context.distance * math.sin(middle),
+            pose.heading + context.turn,
+        )
+        if self._due(self._positions, self.config.position_interval):
+            self._positions.append((self._pose.x, self._pose.y))
+
+    def _due(self, places: list[tuple[float, float]], interval: float) -> bool:
+        if not places:
+            return True
+        x, y = places[-1]
+        return math.hypot(self._pose.x - x, self._pose.y - y) >= interval
+
+    def _begin_view(self) -> None:
+        """Orders the four directions so that one sweep in place meets them all, the nearest first."""
+        first = round(self._pose.heading / (0.5 * math.pi))
+        turn = 1 if self._pose.heading >= 0.5 * math.pi * first else -1
+        self._headings = [(first + turn * k) % 4 for k in range(4)]
+        self.fire("view")
+
+    def _to(self, cell: Cell) -> tuple[float, float, float]:
+        """dx, dy (m) and bearing (rad, local frame) from the robot to a node of the rigid graph."""
+        x, y = self._rigid.places[cell]
+        dx, dy = x - self._pose.x, y - self._pose.y
+        return dx, dy, math.atan2(dy, dx)
+
+    def _speed(self, remaining: float, context: Context) -> float:
+        """The set speed, less for the last tick's way."""
+        last = remaining / (context.geometry.distance_per_step * 0.032)
+        return min(self.config.speed, max(20.0, last))
+
+    def _samples(self) -> LocalSamples:
+        return LocalSamples(
+            positions=np.array(self._positions, dtype=np.float64),
+            panorama_positions=np.array(self._view_places, dtype=np.float64),
+            panoramas=np.array(self._panoramas, dtype=np.float32),
+            visited=len(self._visited),
+            unreachable=self._given_up,
+        )

@@ -1,0 +1,288 @@
+"""Wall following with corners as explicit states (profile `default`).
+
+Follows a wall at a set distance; stops at each corner, says so, and turns around it in place, so that the
+corner is the same point of space from either direction: at `distance` from both walls. Chapter 3.4.1 traces
+boundaries by a weighted sum of the infrared values instead: see `reactive_wall_following`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+from ..agent.behavior import Behavior, Context, Proposal, Transition
+from ..agent.events import CornerReached, Event, WallMet
+from ..agent.goals import Follow, FollowFrom
+from ..agent.motion import drive_command, spin_command
+from ..agent.surroundings import SideView, WallFilter
+from ..world.robot import STOP, Percept, WheelCommand, wrap_angle
+
+
+@dataclass(frozen=True, slots=True)
+class WallFollowingConfig:
+    """Settings of wall following.
+
+    distance: robot's center to the wall (m). speed: while following, steps/s (233 is 3 cm/s).
+    turn_speed: of each wheel in a turn in place, steps/s. angle_gain: 1/s, distance_gain: rad/(s m).
+    lost_range: the side sensor sees no wall beyond it (m from the rim). advance_trim: how much of
+    `distance` the robot has driven past the wall's end when it notices (m). gap_limit: how far to drive
+    after a convex corner until the next wall must be at the side (m). settle: how much of a wall (m) tells
+    its direction.
+    """
+
+    distance: float = 0.057
+    speed: float = 233.0
+    turn_speed: float = 233.0
+    angle_gain: float = 1.5
+    distance_gain: float = 12.0
+    lost_range: float = 0.05
+    advance_trim: float = 0.001
+    gap_limit: float = 0.14
+    settle: float = 0.03
+
+
+class Following(Enum):
+    """What the wall follower is doing."""
+
+    SEARCH = "search"
+    FOLLOW = "follow"
+    CONCAVE = "concave"
+    ADVANCE = "advance"
+    CONVEX = "convex"
+    GAP = "gap"
+
+
+class WallFollowing(Behavior):
+    """Keeps a wall at one side, corner by corner. Goal: `agent.goals.Follow`. Never finishes by itself."""
+
+    name = "wall-following"
+    priority = 10
+    States = Following
+    initial = Following.SEARCH
+    Config = WallFollowingConfig
+    transitions = (
+        Transition("found_wall", (Following.SEARCH, Following.CONCAVE, Following.GAP), Following.FOLLOW),
+        Transition("wall_ahead", (Following.FOLLOW, Following.ADVANCE, Following.GAP), Following.CONCAVE),
+        Transition("meet_wall", Following.SEARCH, Following.CONCAVE),
+        Transition("wall_ended", Following.FOLLOW, Following.ADVANCE),
+        Transition("around", Following.ADVANCE, Following.CONVEX),
+        Transition("turned", Following.CONVEX, Following.GAP),
+        Transition("turn_more", Following.GAP, Following.CONVEX),
+        Transition("begin_concave", Following.SEARCH, Following.CONCAVE),
+        Transition("begin_convex", Following.SEARCH, Following.CONVEX),
+        Transition("begin_gap", Following.SEARCH, Following.GAP),
+    )
+    config: WallFollowingConfig
+
+    def on_reset(self) -> None:
+        """Forgets the wall."""
+        self._view: SideView | None = None
+        self._side = "right"
+        self._filter = WallFilter(self.config.distance)
+        self._path = 0.0
+        self._leg = 0.0
+        self._misses = 0
+        self._remaining = 0.0
+        self._settled = False
+        self._front: list[float] = []
+
+    def on_start(self, goal: Any, context: Context) -> None:
+        """Takes a `Follow` goal. Raises: TypeError for anything else."""
+        if not isinstance(goal, Follow):
+            raise TypeError(f"{self.name} needs a Follow goal, not {goal!r}")
+        self._side = goal.side
+        self._view = SideView(context.geometry, goal.side)
+        quarter = 0.5 * math.pi
+        if goal.start is FollowFrom.WALL:
+            self.fire("found_wall")
+        elif goal.start is FollowFrom.GAP:
+            self.fire("begin_gap")
+        elif goal.start is FollowFrom.CONCAVE:
+            self._remaining = quarter
+            self.fire("begin_concave")
+        elif goal.start is FollowFrom.CONVEX:
+            self._remaining = -quarter
+            self.fire("begin_convex")
+
+    def propose(self, percept: Percept, context: Context) -> Proposal:
+        """One tick of following."""
+        view = self._view
+        if view is None:
+            raise TypeError(f"{self.name} was asked before it was given a Follow goal")
+        view.read(percept)
+        turned = context.turn * view.sign
+        self._filter.predict(context.distance, turned)
+        state = self.state
+        if state is Following.FOLLOW:
+            command = self._follow(view, context)
+        elif state is Following.CONCAVE or state is Following.CONVEX:
+            command = self._turn(turned, view)
+        elif state is Following.ADVANCE:
+            command = self._advance(view, context)
+        elif state is Following.GAP:
+            command = self._gap(view, context)
+        else:
+            command = self._search(view)
+        return Proposal(command, 1.0, state.value)
+
+    def emit(self, event: Event, context: Context) -> None:
+        """Publishes an event. A behavior that drives by this one replaces it to hear the corners first."""
+        context.publish(event)
+
+    # --- states --------------------------------------------------------------------------------------
+
+    def _search(self, view: SideView) -> WheelCommand:
+        front = view.front_wall()
+        if front is not None and front[0] <= self.config.distance:
+            self._remaining = front[1]
+            self.fire("meet_wall")
+            return STOP
+        wall = view.side_wall()
+        if wall is not None and wall[0] < self.config.distance + 0.02:
+            self._meet(wall)
+            self.fire("found_wall")
+        return self._drive(0.0)
+
+    def _follow(self, view: SideView, context: Context) -> WheelCommand:
+        config, wall_filter = self.config, self._filter
+        self._count(context)
+        self._settle(context)
+        if self._at_front(view, context):
+            return STOP
+        if view.side > config.lost_range:
+            self._misses += 1
+            if self._misses >= 2:
+                self._leg = context.distance
+                self.fire("wall_ended")
+            return self._drive(-config.angle_gain * wall_filter.angle)
+        self._misses = 0
+        wall = view.side_wall()
+        if wall is not None:
+            if not wall_filter.correct(wall) and wall_filter.samples < 3:
+                self._meet(wall)
+        else:
+            wall_filter.correct_distance(
+                (context.geometry.body_radius + view.side) * math.cos(wall_filter.angle)
+            )
+        error = max(-0.02, min(0.02, wall_filter.distance - config.distance))
+        return self._drive(-(config.angle_gain * wall_filter.angle + config.distance_gain * error))
+
+    def _advance(self, view: SideView, context: Context) -> WheelCommand:
+        self._count(context)
+        if self._at_front(view, context):
+            return STOP
+        self._leg += context.distance
+        if self._leg >= self.config.distance - self.config.advance_trim:
+            self._remaining = -0.5 * math.pi - self._filter.angle
+            self.fire("around")
+            self._arrive("convex", context)
+            return STOP
+        return self._drive(-self.config.angle_gain * self._filter.angle)
+
+    def _gap(self, view: SideView, context: Context) -> WheelCommand:
+        self._count(context)
+        self._leg += context.distance
+        if self._at_front(view, context):
+            return STOP
+        if view.side < self.config.lost_range:
+            self._misses += 1
+            if self._misses >= 2:
+                wall = view.side_wall()
+                if wall is not None:
+                    self._meet(wall)
+                else:
+                    self._filter = WallFilter(context.geometry.body_radius + view.side)
+                self._misses = 0
+                self._leg = 0.0
+                self.fire("found_wall")
+        else:
+            self._misses = 0
+            if self._leg > self.config.gap_limit:
+                self._remaining = -0.25 * math.pi
+                self._leg = 0.0
+                self.fire("turn_more")
+        return self._drive(-self.config.angle_gain * self._filter.angle)
+
+    def _turn(self, turned: float, view: SideView) -> WheelCommand:
+        self._remaining -= turned
+        if abs(self._remaining) > 0.004:
+            return self._spin(self._remaining)
+        self._leg = 0.0
+        self._misses = 0
+        self._front.clear()
+        self._filter = WallFilter(self.config.distance, 0.0, 0.05)
+        self.fire("turned" if self.state is Following.CONVEX else "found_wall")
+        return STOP
+
+    # --- parts of states -----------------------------------------------------------------------------
+
+    def _at_front(self, view: SideView, context: Context) -> bool:
+        """Stops for a wall ahead: looks a few ticks, standing, to learn where it lies, then turns."""
+        front = view.front_wall()
+        limit = self.config.distance
+        if front is None or front[0] > limit + 0.0005:
+            self._front.clear()
+            return False
+        self._front.append(front[1])
+        if len(self._front) < 4:
+            return True
+        self._remaining = sum(self._front) / len(self._front)
+        across = 0.5 * math.pi - self._filter.angle
+        if abs(self._remaining - across) < 0.14:
+            self._remaining = across
+        self._front.clear()
+        self.fire("wall_ahead")
+        self._arrive("concave", context)
+        return True
+
+    def _meet(self, wall: tuple[float, float]) -> None:
+        self._filter = WallFilter(wall[0], wall[1], 0.03)
+        self._misses = 0
+
+    def _count(self, context: Context) -> None:
+        self._path += context.distance
+
+    def _arrive(self, kind: str, context: Context) -> None:
+        """Says that a corner is reached, with the direction of the wall just followed."""
+        self._publish_wall(context)
+        self._settled = False
+        path, self._path = self._path, 0.0
+        self.emit(
+            CornerReached(
+                time=context.time,
+                side=self._side,
+                kind=kind,
+                path_length=path,
+                heading=self._wall_direction(context),
+            ),
+            context,
+        )
+
+    def _settle(self, context: Context) -> None:
+        """Once enough of the new wall was followed, says where it leads."""
+        self._leg += context.distance
+        if not self._settled and self._leg >= self.config.settle and self._filter.samples >= 20:
+            self._publish_wall(context)
+
+    def _publish_wall(self, context: Context) -> None:
+        if not self._settled:
+            self._settled = True
+            self.emit(
+                WallMet(time=context.time, side=self._side, heading=self._wall_direction(context)), context
+            )
+
+    def _wall_direction(self, context: Context) -> float:
+        sign = self._view.sign if self._view is not None else 1.0
+        return wrap_angle(context.pose.heading - sign * self._filter.angle)
+
+    def _drive(self, turn_rate: float) -> WheelCommand:
+        """Forward at the set speed while turning at `turn_rate` (rad/s, away from the wall is positive)."""
+        assert self._view is not None
+        return drive_command(self._view.geometry, self.config.speed, turn_rate * self._view.sign)
+
+    def _spin(self, remaining: float) -> WheelCommand:
+        """A turn in place by at most `remaining` (rad, away from the wall is positive) in this tick."""
+        assert self._view is not None
+        return spin_command(self._view.geometry, remaining * self._view.sign, self.config.turn_speed)
