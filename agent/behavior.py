@@ -14,9 +14,11 @@ the clock: the time is `context.time`, randomness `context.rng`.
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
+from difflib import get_close_matches
 from enum import Enum
 from typing import Any, ClassVar
 
@@ -168,13 +170,33 @@ class Behavior(ABC):
                     f"{self.name}: config must be a {cls.__name__}, not {type(config).__name__}"
                 )
             return config
-        known = {f.name for f in fields(cls)}
-        unknown = sorted(set(settings) - known)
-        if unknown:
-            raise ConfigError(
-                f"{self.name}: unknown setting {unknown[0]!r}; known: {', '.join(sorted(known)) or 'none'}"
-            )
+        known = {f.name: f.default for f in fields(cls)}
+        for key, value in settings.items():
+            if key not in known:
+                near = get_close_matches(key, known, n=1)
+                hint = f"did you mean {near[0]!r}? " if near else ""
+                raise ConfigError(
+                    f"{self.name}: unknown setting {key!r}; {hint}known: {', '.join(sorted(known)) or 'none'}"
+                )
+            _check_setting(f"{self.name}: {key}", value, known[key])
         return cls(**settings)
+
+
+def _check_setting(what: str, value: Any, default: Any) -> None:
+    """Raises ConfigError if `value` is not of the kind of the setting's default."""
+    if isinstance(default, bool):
+        fits, kind = isinstance(value, bool), "true or false"
+    elif isinstance(default, int):
+        fits, kind = isinstance(value, int) and not isinstance(value, bool), "a whole number"
+    elif isinstance(default, float):
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        fits, kind = number and math.isfinite(value), "a finite number"
+    elif isinstance(default, str):
+        fits, kind = isinstance(value, str), "a text"
+    else:
+        return
+    if not fits:
+        raise ConfigError(f"{what} must be {kind}, not {value!r}")
 
 
 def _sources(row: Transition) -> list[Enum]:

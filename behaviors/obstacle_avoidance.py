@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from itertools import pairwise
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
+from ..agent.infrared import raw_value
 from ..world.robot import (
     LEFT_DIAGONAL,
     LEFT_FRONT,
@@ -111,12 +111,3 @@ class ObstacleAvoidance(Behavior):
 def weighted(infrared: Sequence[float]) -> float:
     """The sum of eq. 3.12 for the left wheel, without bias and divisor; positive turns right."""
     return sum(weight * value for weight, value in zip(LEFT_WEIGHTS, infrared, strict=True))
-
-
-def raw_value(geometry: RobotGeometry, distance: float) -> float:
-    """The infrared value expected at a distance (m) from the rim; the inverse of `infrared_distance`."""
-    table = geometry.infrared_response
-    for (near, high, _), (far, low, _) in pairwise(table):
-        if distance <= far:
-            return high + (low - high) * (max(distance, near) - near) / (far - near)
-    return table[-1][1]

@@ -84,4 +84,5 @@ class Wander(Behavior):
     def _blocked(self, percept: Percept, context: Context) -> bool:
         distance = context.geometry.infrared_distance
         ahead = (RIGHT_DIAGONAL, RIGHT_FRONT, LEFT_FRONT, LEFT_DIAGONAL)
-        return distance(max(percept.infrared[sensor] for sensor in ahead)) < self.config.clearance
+        nearest = distance(max(percept.infrared[sensor] for sensor in ahead))
+        return bool(nearest < self.config.clearance)

@@ -217,7 +217,7 @@ def _group_of(value: Any) -> str | None:
         return None
     if issubclass(value, Behavior):
         return BEHAVIORS
-    if callable(getattr(value, "arbitrate", None)) and getattr(value, "name", ""):
+    if callable(getattr(value, "arbitrate", None)) and isinstance(getattr(value, "name", None), str):
         return MEDIATORS
     return None
 
