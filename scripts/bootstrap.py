@@ -140,7 +140,7 @@ def find_python() -> dict[str, Any]:
             return python
         faults.append((not (python and tuple(python["version"][:2]) in VERSIONS), f"{executable} {fault}"))
     raise SetupError(
-        f"tolman needs CPython 3.11 to 3.14 with SQLite 3.37 or newer; {min(faults)[1]}; "
+        f"needs CPython 3.11 to 3.14 with SQLite 3.37 or newer; {min(faults)[1]}; "
         "set PYTHON=/path/to/python to name another"
     )
 

@@ -1,0 +1,86 @@
+"""The picture of a map: what is in it, and that its bytes depend on nothing else."""
+
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tolman.scripts.plot import (
+    ArcLine,
+    Drawing,
+    Lattice,
+    compose_figure,
+    extent,
+    outline,
+    placed,
+    save_drawing,
+)
+from tolman.world.robot import Pose
+from tolman.world.spec import Box, Cylinder, Polygon, Wall, room_walls
+
+
+def sample() -> Drawing:
+    rows = np.stack(np.meshgrid(np.linspace(0, 0.2, 5), np.linspace(-0.1, 0.1, 5)), axis=-1).reshape(25, 2)
+    edges = [(k, k + 1) for k in range(24) if k % 5 != 4] + [(k, k + 5) for k in range(20)]
+    lattice = Lattice(rows, edges, np.arange(25) % 7 != 0)
+    nodes = {
+        0: Pose(0.06, 0.06, 0.0),
+        1: Pose(0.94, 0.06, math.pi / 2),
+        2: Pose(0.94, 0.94, math.pi),
+        3: Pose(0.06, 0.94, -math.pi / 2),
+    }
+    arcs = [ArcLine(k, (k + 1) % 4, 0.88) for k in range(4)] + [
+        ArcLine((k + 1) % 4, k, 0.88) for k in range(4)
+    ]
+    track = np.array([[0.06, 0.06], [0.94, 0.06], [0.94, 0.94], [0.06, 0.94]])
+    shapes = (*room_walls(1.0, 1.0), Box(0.5, 0.5, 0.2, 0.1, 0.3), Cylinder(0.3, 0.6, 0.05))
+    return Drawing("a room", nodes, arcs, {0: lattice, 2: lattice}, shapes, track)
+
+
+@pytest.mark.parametrize(("suffix", "magic"), [(".png", b"\x89PNG"), (".svg", b"<?xml"), (".pdf", b"%PDF")])
+def test_the_same_map_gives_the_same_bytes(tmp_path: Path, suffix: str, magic: bytes) -> None:
+    first, second = tmp_path / f"a{suffix}", tmp_path / f"b{suffix}"
+    save_drawing(sample(), first)
+    save_drawing(sample(), second)
+    assert first.read_bytes().startswith(magic)
+    assert first.read_bytes() == second.read_bytes()
+
+
+def test_every_node_is_numbered_and_every_pair_measured_once() -> None:
+    texts = [text.get_text() for text in compose_figure(sample()).axes[0].texts]
+    assert sorted(text for text in texts if not text.endswith("cm")) == ["0", "1", "2", "3"]
+    assert sum(text == "88 cm" for text in texts) == 4
+
+
+def test_a_map_without_nodes_can_be_drawn(tmp_path: Path) -> None:
+    save_drawing(Drawing("empty", {}), tmp_path / "empty.png")
+    assert (tmp_path / "empty.png").stat().st_size > 1000
+
+
+def test_points_of_a_node_are_turned_by_its_heading() -> None:
+    moved = placed(np.array([[1.0, 0.0], [0.0, 1.0]]), Pose(2.0, 3.0, math.pi / 2))
+    assert moved == pytest.approx(np.array([[2.0, 4.0], [1.0, 3.0]]))
+
+
+def test_ground_plans_have_the_size_of_their_shapes() -> None:
+    assert np.ptp(outline(Box(1, 1, 0.4, 0.2)), axis=0) == pytest.approx([0.4, 0.2])
+    assert np.ptp(outline(Box(1, 1, 0.4, 0.2, math.pi / 2)), axis=0) == pytest.approx([0.2, 0.4])
+    assert np.ptp(outline(Wall((0, 0), (1, 0), 0.02)), axis=0) == pytest.approx([1.0, 0.02])
+    assert np.ptp(outline(Cylinder(0, 0, 0.5)), axis=0) == pytest.approx([1.0, 1.0])
+    assert outline(Polygon(((0, 0), (1, 0), (0, 1)))).shape == (3, 2)
+
+
+def test_nothing_drawn_lies_outside_the_picture() -> None:
+    left, right, bottom, top = extent(sample())
+    assert left < -0.05
+    assert right > 1.05
+    assert bottom < -0.05
+    assert top > 1.05
+
+
+def test_the_command_line_does_not_load_matplotlib_until_it_draws() -> None:
+    program = "import sys, tolman.scripts.cmd_map, tolman.scripts.cmd_go; print('matplotlib' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout == "False\n"
