@@ -1,4 +1,4 @@
-"""The demo, `make demo`: explores env1, saves and draws the map, then finds its way with it in new processes."""
+"""The demo, `make demo`: explores env1, saves and draws the map, then finds its way with it later."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def visit(path: Path, nodes: Sequence[int], seed: int) -> list[bool]:
         reached.append(bool(trip["reached"]))
         if trip["reached"]:
             print(
-                f"reached node {node} by {'-'.join(map(str, trip['path']))} after {trip['distance_m']:.2f} m: "
+                f"reached node {node} by {'-'.join(map(str, trip['path']))}, {trip['distance_m']:.2f} m: "
                 f"stopped {100 * trip['position_error_m']:.1f} cm from where the node truly is"
             )
             start = ("--from", str(node))
