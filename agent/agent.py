@@ -3,20 +3,30 @@
 from __future__ import annotations
 
 import logging
-import math
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, Protocol
 
 import numpy as np
 
 from ..world.robot import STOP, Percept, Robot, WheelCommand
-from .behavior import Behavior, Context, Proposal
+from .behavior import Behavior, Context
 from .errors import AgentError, UnknownBehaviorError
-from .events import BehaviorFaulted, BehaviorFinished, BehaviorStarted, ControlChanged, EventBus
-from .mediator import Candidate, Mediator, PriorityMediator
+from .events import (
+    BehaviorFaulted,
+    BehaviorFinished,
+    BehaviorStarted,
+    ControlChanged,
+    EventBus,
+    MediatorFaulted,
+)
+from .guard import Watch, check_command, check_proposal, describe, state_name
+from .mediator import Candidate, Decision, Mediator, PriorityMediator
 from .path_integration import PathIntegrator
+from .ports import Limits, Port
 
 _log = logging.getLogger(__name__)
+_FAULTS = (Exception, SystemExit)
+"""What a plugin may raise without ending the run; KeyboardInterrupt is the user's."""
 
 
 class Process(Protocol):
@@ -29,8 +39,9 @@ class Process(Protocol):
 class Agent:
     """Drives one robot: owns its behaviors, mediator, path integration and event bus.
 
-    A behavior that raises, or proposes what is not a finite command, is stopped; in that tick the wheels
-    stand still; `BehaviorFaulted` says so. After `max_faults` it is disabled for the rest of the run.
+    A behavior that raises, proposes what is not a sane command, exceeds its time budget, floods the bus or
+    leaks subscriptions is stopped; in that tick the wheels stand still; `BehaviorFaulted` says so. After
+    `max_faults` it is disabled for the rest of the run. A mediator that breaks is replaced by priorities.
     """
 
     def __init__(
@@ -41,28 +52,37 @@ class Agent:
         mediator: Mediator | None = None,
         seed: np.random.SeedSequence | None = None,
         max_faults: int = 3,
+        limits: Limits = Limits(),  # noqa: B008  frozen
     ) -> None:
         """Raises: AgentError if two behaviors have the same name."""
         self.robot = robot
-        self.bus = EventBus()
+        self.bus = EventBus(on_fault=self._handler_fault)
         self.mediator: Mediator = mediator or PriorityMediator()
         self.odometry = PathIntegrator(robot.geometry)
         self.processes: list[Process] = []
+        seed = seed if seed is not None else np.random.SeedSequence(0)
         self.context = Context(
             geometry=robot.geometry,
             publish=self.bus.publish,
             look=robot.look,
-            rng=np.random.default_rng(seed if seed is not None else np.random.SeedSequence(0)),
+            rng=np.random.default_rng(seed),
+            subscribe=self.bus.subscribe,
         )
-        self._behaviors: dict[str, Behavior] = {}
+        self._watch = Watch(limits.budget, limits.hang)
+        self._wildest = limits.wild * robot.geometry.max_speed
+        self._ports: dict[str, Port] = {}
         for behavior in behaviors:
-            if behavior.name in self._behaviors:
+            if behavior.name in self._ports:
                 raise AgentError(f"two behaviors are named {behavior.name!r}: rename or leave out one")
-            self._behaviors[behavior.name] = behavior
-        self._active: list[Behavior] = []
+            self._ports[behavior.name] = Port(
+                behavior, self.bus, limits, self._watch, robot.geometry, robot.look, seed
+            )
+        self._active: list[Port] = []
         self._suspended: set[str] = set()
         self._faults: dict[str, int] = {}
         self._max_faults = max_faults
+        self._to_restart: list[str] = []
+        self._halt = False
         self.driver: str | None = None
         self.command: WheelCommand = STOP
         self.proposals: Sequence[Candidate] = ()
@@ -72,51 +92,64 @@ class Agent:
     @property
     def behaviors(self) -> dict[str, Behavior]:
         """All behaviors by name, active or not (a copy)."""
-        return dict(self._behaviors)
+        return {name: port.behavior for name, port in self._ports.items()}
 
     def behavior(self, name: str) -> Behavior:
         """The behavior of that name. Raises: UnknownBehaviorError, naming the known ones."""
-        try:
-            return self._behaviors[name]
-        except KeyError:
-            known = ", ".join(sorted(self._behaviors)) or "none"
-            raise UnknownBehaviorError(f"unknown behavior {name!r}; known: {known}") from None
+        return self._port(name).behavior
 
     def is_active(self, name: str) -> bool:
         """Whether the behavior takes part in arbitration."""
         return any(active.name == name for active in self._active)
 
+    def is_disabled(self, name: str) -> bool:
+        """Whether it had so many faults that it cannot be started any more."""
+        return self._faults.get(name, 0) >= self._max_faults
+
     def start(self, name: str, goal: Any = None) -> None:
-        """Resets the behavior, gives it the goal and lets it take part from the next tick on."""
-        behavior = self.behavior(name)
-        if self._faults.get(name, 0) >= self._max_faults:
+        """Resets the behavior, gives it the goal and lets it take part from the next tick on.
+
+        A fault in doing so is contained like one in a tick. Raises: AgentError if it is disabled.
+        """
+        port = self._port(name)
+        if self.is_disabled(name):
             raise AgentError(f"behavior {name!r} was disabled after {self._max_faults} faults")
-        if behavior in self._active:
-            self._active.remove(behavior)
-        behavior.reset()
-        self.context.in_control = False
-        behavior.on_start(goal, self.context)
-        self._active.append(behavior)
-        self._active.sort(key=lambda active: (-active.priority, active.name))
+        if port in self._active:
+            self._active.remove(port)
+            port.release()
+        port.renew(self.context, False)
+        self._active.append(port)
+        self._active.sort(key=lambda active: (-active.behavior.priority, active.name))
         self._suspended.discard(name)
+        try:
+            with self._watch:
+                port.behavior.reset()
+                port.behavior.on_start(goal, port.context)
+        except _FAULTS as fault:
+            self._contain(port, fault)
+            return
         self.bus.publish(BehaviorStarted(time=self.context.time, behavior=name, goal=goal))
 
     def stop(self, name: str) -> None:
         """Takes the behavior out of arbitration; no event of success or failure follows."""
-        behavior = self.behavior(name)
-        if behavior in self._active:
-            self._active.remove(behavior)
-            self._suspended.discard(name)
-            behavior.on_stop(self.context)
+        port = self._port(name)
+        if port in self._active:
+            self._leave(port)
 
     def suspend(self, name: str) -> None:
         """Keeps the behavior as it is but asks it nothing until `resume`."""
-        self.behavior(name)
+        self._port(name)
         self._suspended.add(name)
 
     def resume(self, name: str) -> None:
         """Ends a `suspend`."""
         self._suspended.discard(name)
+
+    def close(self) -> None:
+        """Stops all behaviors and gives back what the agent holds of the process (the hang alarm)."""
+        for port in tuple(self._active):
+            self._leave(port)
+        self._watch.close()
 
     # --- the tick ------------------------------------------------------------------------------------
 
@@ -128,11 +161,17 @@ class Agent:
         context.time = percept.time
         context.pose = odometry.pose
         context.distance, context.turn = odometry.distance, odometry.turn
+        if self._to_restart:
+            self._restart()
         for process in self.processes:
             process.update(percept, context)
-        self.proposals, faulted = self._collect(percept)
-        decision = self.mediator.arbitrate(self.proposals, self.driver)
-        command = STOP if faulted else decision.command.clamped(self.robot.geometry.max_speed)
+        halt, self._halt = self._halt, False
+        self.proposals = proposals = self._collect(percept)
+        decision = self._arbitrate(proposals)
+        if halt or self._halt:
+            command, self._halt = STOP, False
+        else:
+            command = decision.command.clamped(self.robot.geometry.max_speed)
         if decision.winner != self.driver:
             self._change_driver(decision.winner, decision.reason)
         self.command = command
@@ -141,64 +180,62 @@ class Agent:
         self.bus.deliver()
         return command
 
-    def _collect(self, percept: Percept) -> tuple[list[Candidate], bool]:
+    def _collect(self, percept: Percept) -> list[Candidate]:
         candidates: list[Candidate] = []
-        faulted = False
-        context = self.context
-        for behavior in tuple(self._active):
-            if behavior.name in self._suspended or behavior.finished:
+        context, driver, watch = self.context, self.driver, self._watch
+        for port in tuple(self._active):
+            name, behavior = port.name, port.behavior
+            if name in self._suspended:
                 continue
-            context.in_control = behavior.name == self.driver
+            own = port.renew(context, name == driver)
             try:
-                proposal = behavior.propose(percept, context)
+                if behavior.finished:
+                    continue
+                with watch:
+                    proposal = behavior.propose(percept, own)
+                if port.broken is not None:
+                    raise port.broken
                 if proposal is None:
                     continue
-                _check_proposal(proposal)
-            except Exception as fault:
-                self._contain(behavior, fault)
-                faulted = True
-                continue
-            candidates.append(Candidate(behavior.name, behavior.priority, proposal))
-        return candidates, faulted
+                check_proposal(proposal, self._wildest)
+                candidates.append(Candidate(name, behavior.priority, proposal))
+            except _FAULTS as fault:
+                self._contain(port, fault)
+        return candidates
 
-    def _contain(self, behavior: Behavior, fault: Exception) -> None:
-        count = self._faults[behavior.name] = self._faults.get(behavior.name, 0) + 1
-        state = getattr(behavior.state, "name", str(behavior.state))
-        disabled = count >= self._max_faults
-        text = f"{type(fault).__name__}: {fault}"
-        _log.error(
-            "behavior %s stopped in state %s: %s%s",
-            behavior.name,
-            state,
-            text,
-            " (disabled)" if disabled else "",
-        )
-        self._active.remove(behavior)
-        for subscription in self.bus.subscriptions(behavior.name):
-            subscription.cancel()
+    def _arbitrate(self, proposals: Sequence[Candidate]) -> Decision:
         try:
-            behavior.on_stop(self.context)
-        except Exception as second:
-            _log.error("behavior %s also raised in on_stop: %r", behavior.name, second)
-        self.bus.publish(
-            BehaviorFaulted(
-                time=self.context.time, behavior=behavior.name, state=state, fault=text, disabled=disabled
-            )
-        )
+            decision = self.mediator.arbitrate(proposals, self.driver)
+            check_command(decision.command, self._wildest)
+            return decision
+        except _FAULTS as fault:
+            name = str(getattr(self.mediator, "name", type(self.mediator).__name__))
+            text = describe(fault)
+            _log.error("mediator %s stopped: %s; going on by priority", name, text)
+            self.bus.publish(MediatorFaulted(time=self.context.time, mediator=name, fault=text))
+            self.mediator = PriorityMediator()
+            self._halt = True
+            return self.mediator.arbitrate(proposals, self.driver)
 
     def _change_driver(self, winner: str | None, reason: str) -> None:
         wanted = {candidate.name: candidate.proposal.activation for candidate in self.proposals}
+        reasons = {candidate.name: candidate.proposal.reason for candidate in self.proposals}
         self.bus.publish(
             ControlChanged(
-                time=self.context.time, previous=self.driver, winner=winner, reason=reason, wanted=wanted
+                time=self.context.time,
+                previous=self.driver,
+                winner=winner,
+                reason=reason,
+                wanted=wanted,
+                reasons=reasons,
             )
         )
         self.driver = winner
 
     def _retire(self) -> None:
-        for behavior in [active for active in self._active if active.finished]:
-            self._active.remove(behavior)
-            behavior.on_stop(self.context)
+        for port in [active for active in self._active if active.behavior.finished]:
+            behavior = port.behavior
+            self._leave(port)
             self.bus.publish(
                 BehaviorFinished(
                     time=self.context.time,
@@ -209,14 +246,53 @@ class Agent:
                 )
             )
 
+    # --- faults --------------------------------------------------------------------------------------
 
-def _check_proposal(proposal: Any) -> None:
-    if not isinstance(proposal, Proposal):
-        raise TypeError(f"propose must return a Proposal or None, not {type(proposal).__name__}")
-    if not isinstance(proposal.command, WheelCommand) or not proposal.command.is_finite():
-        raise ValueError(f"the proposed command is not finite: {proposal.command!r}")
-    if not (math.isfinite(proposal.activation) and 0.0 <= proposal.activation <= 1.0):
-        raise ValueError(f"activation must be in [0, 1], not {proposal.activation!r}")
+    def _contain(self, port: Port, fault: BaseException) -> None:
+        """Stops a behavior that broke the contract, and the wheels for this tick."""
+        name, state = port.name, state_name(port.behavior)
+        self._halt = True
+        self._faults[name] = self._faults.get(name, 0) + 1
+        disabled = self.is_disabled(name)
+        text = describe(fault)
+        _log.error(
+            "behavior %s stopped in state %s: %s%s", name, state, text, " (disabled)" if disabled else ""
+        )
+        self._leave(port)
+        self.bus.publish(
+            BehaviorFaulted(time=self.context.time, behavior=name, state=state, fault=text, disabled=disabled)
+        )
+        if port.behavior.restarts and not disabled:
+            self._to_restart.append(name)
+
+    def _leave(self, port: Port) -> None:
+        if port in self._active:
+            self._active.remove(port)
+        self._suspended.discard(port.name)
+        try:
+            with self._watch:
+                port.behavior.on_stop(port.context)
+        except _FAULTS as fault:
+            _log.error("behavior %s raised in on_stop: %s", port.name, describe(fault))
+        port.release()
+
+    def _handler_fault(self, owner: str, fault: BaseException) -> None:
+        port = self._ports.get(owner)
+        if port is not None and port in self._active:
+            self._contain(port, fault)
+
+    def _restart(self) -> None:
+        names, self._to_restart = self._to_restart, []
+        for name in names:
+            if not self.is_active(name):
+                self.start(name)
+
+    def _port(self, name: str) -> Port:
+        try:
+            return self._ports[name]
+        except KeyError:
+            known = ", ".join(sorted(self._ports)) or "none"
+            raise UnknownBehaviorError(f"unknown behavior {name!r}; known: {known}") from None
 
 
 def run(agent: Agent, step: Callable[[], None], until: Callable[[], bool], max_ticks: int) -> bool:

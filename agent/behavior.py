@@ -26,8 +26,8 @@ import numpy as np
 from transitions import Machine
 
 from ..world.robot import Image, Percept, Pose, RobotGeometry, WheelCommand
-from .errors import BehaviorContractError, ConfigError
-from .events import Event
+from .errors import AgentError, BehaviorContractError, ConfigError
+from .events import Event, Subscription
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +52,10 @@ class Transition:
     target: Enum
 
 
+def _no_bus(event_type: type[Any], handler: Callable[[Any], None]) -> Subscription:
+    raise AgentError("this context has no bus to subscribe to")
+
+
 @dataclass(slots=True)
 class Context:
     """What a behavior may know besides the percept; the agent renews it every tick.
@@ -59,6 +63,8 @@ class Context:
     pose: path-integrated (m, rad). distance, turn: this tick's share of it (m, rad).
     in_control: whether this behavior's proposal drove in the last tick.
     publish: queues an event. look: takes a camera image (height, width) now, while standing still.
+    subscribe: (event type, handler); the agent ends it when the behavior stops. Handlers are called at the
+    end of a tick.
     """
 
     geometry: RobotGeometry
@@ -70,6 +76,7 @@ class Context:
     distance: float = 0.0
     turn: float = 0.0
     in_control: bool = False
+    subscribe: Callable[[type[Any], Callable[[Any], None]], Subscription] = _no_bus
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +99,8 @@ class Behavior(ABC):
     initial: ClassVar[Enum]
     transitions: ClassVar[tuple[Transition, ...]] = ()
     Config: ClassVar[type[Any]] = NoConfig
+    restarts: ClassVar[bool] = False
+    """Whether the agent starts it again by itself after a fault, until it is disabled: for reflexes."""
 
     def __init__(self, config: Any = None, **settings: Any) -> None:
         """`config`: an instance of `Config`; or give its fields by keyword.

@@ -17,3 +17,15 @@ class BehaviorContractError(AgentError, TypeError):
 
 class ConfigError(AgentError, ValueError):
     """A configuration value has the wrong name, type or range."""
+
+
+class EventFloodError(AgentError, RuntimeError):
+    """A behavior published more events in one tick than it may."""
+
+
+class SubscriptionLeakError(AgentError, RuntimeError):
+    """A behavior holds more subscriptions than it may."""
+
+
+class BudgetExceededError(AgentError, TimeoutError):
+    """A behavior took longer for a tick than it may."""

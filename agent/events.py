@@ -24,12 +24,16 @@ class Event:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ControlChanged(Event):
-    """Another behavior drives from this tick on. `wanted`: name -> activation of all that proposed."""
+    """Another behavior drives from this tick on, and why.
+
+    wanted: name -> activation of all that proposed. reasons: name -> what each said it wanted it for.
+    """
 
     previous: str | None
     winner: str | None
     reason: str
     wanted: Mapping[str, float] = field(default_factory=dict)
+    reasons: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,6 +65,14 @@ class BehaviorFaulted(Event):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class MediatorFaulted(Event):
+    """The mediator broke its contract; arbitration by priority takes its place for the rest of the run."""
+
+    mediator: str
+    fault: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class CornerReached(Event):
     """The wall follower stands at a corner, before turning.
 
@@ -88,10 +100,18 @@ class WallMet(Event):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NodeCreated(Event):
-    """The map has a new node."""
+    """The map has a new node, where the robot stood at `met_at` (simulated seconds)."""
 
     node: int
     corner: str
+    met_at: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NodeCommitted(Event):
+    """A node, its arcs and its local map are complete and may be stored; the robot stands at it."""
+
+    node: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -136,9 +156,25 @@ class Lost(Event):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stuck(Event):
-    """The wheels turn and nothing that is sensed changes."""
+    """The wheels turn and nothing that is sensed changes. given_up: freeing it was tried, in vain."""
 
     reason: str
+    given_up: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Freed(Event):
+    """A stuck robot moves again. attempts: how many it took."""
+
+    attempts: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PluginEvent(Event):
+    """What a plugin has to say that no other event does. data: JSON-like values only."""
+
+    name: str
+    data: Mapping[str, Any] = field(default_factory=dict)
 
 
 E = TypeVar("E", bound=Event)
@@ -165,8 +201,14 @@ class Subscription:
 class EventBus:
     """Queues events and delivers them in the order in which they were published."""
 
-    def __init__(self, limit_per_tick: int = 1000) -> None:
-        """`limit_per_tick`: events beyond it are refused, so that a flood cannot stop the run."""
+    def __init__(
+        self, limit_per_tick: int = 1000, on_fault: Callable[[str, BaseException], None] | None = None
+    ) -> None:
+        """`limit_per_tick`: events beyond it are refused, so that a flood cannot stop the run.
+
+        `on_fault`: told the owner and the fault when a handler raises.
+        """
+        self._on_fault = on_fault
         self._limit = limit_per_tick
         self._queue: list[Event] = []
         self._handlers: dict[type[Event], list[Subscription]] = defaultdict(list)
@@ -217,6 +259,14 @@ class EventBus:
             return
         try:
             subscription.handler(event)
-        except Exception as fault:
+        except (Exception, SystemExit) as fault:
             subscription.cancel()
-            _log.error("handler of %s for %s raised %r and was removed", subscription.owner, event, fault)
+            kind = type(event).__name__
+            _log.error(
+                "handler of %s for %s raised %s and was removed",
+                subscription.owner,
+                kind,
+                type(fault).__name__,
+            )
+            if self._on_fault is not None:
+                self._on_fault(subscription.owner, fault)

@@ -69,7 +69,16 @@ class PriorityMediator:
                 best, best_key = candidate, key
         if best is None:
             return NOBODY
-        return Decision(best.name, best.proposal.command, best.proposal.reason)
+        reason = best.proposal.reason
+        if best.name != previous:
+            reason = _why(best, candidates, reason)
+        return Decision(best.name, best.proposal.command, reason)
 
     def reset(self) -> None:
         """It keeps no past."""
+
+
+def _why(best: Candidate, candidates: Sequence[Candidate], reason: str) -> str:
+    rivals = [f"{entry.name} ({entry.priority})" for entry in candidates if entry.name != best.name]
+    over = f" over {', '.join(rivals)}" if rivals else ""
+    return f"{reason or 'wants to'} [priority {best.priority}{over}]"

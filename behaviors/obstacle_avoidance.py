@@ -64,6 +64,7 @@ class ObstacleAvoidance(Behavior):
         Transition("cleared", (States.TURNING_LEFT, States.TURNING_RIGHT), States.CLEAR),
     )
     Config = ObstacleAvoidanceConfig
+    restarts = True
 
     def on_reset(self) -> None:
         """Forgets the thresholds: another robot may follow."""
