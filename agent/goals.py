@@ -67,3 +67,59 @@ class DriveBy:
     """Drive `distance` (m, negative: backwards) straight on, by path integration."""
 
     distance: float
+
+
+@dataclass(frozen=True, slots=True)
+class ReturnToCorner:
+    """Back off along the wall on `side` and come to the corner again, of that `kind`.
+
+    room: how far (m) the wall just followed is known to lead back.
+    """
+
+    side: str
+    kind: str
+    room: float
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """One arc to drive: follow the wall on `side` to `target`, `distance` m on, a corner of kind `corner`.
+
+    turn: rad, counter-clockwise, to turn in place before. start: what the robot then stands at, None to go
+    on following through the corner it has just reached.
+    """
+
+    source: int
+    target: int
+    side: str
+    distance: float
+    corner: str
+    turn: float = 0.0
+    start: FollowFrom | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class GoAlong:
+    """Drive these legs one after the other."""
+
+    legs: tuple[Leg, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class LegDriven:
+    """A leg as it was driven. distance: m. recognized: whether its end was known by its corner."""
+
+    source: int
+    target: int
+    side: str
+    distance: float
+    recognized: bool
+
+
+@dataclass(frozen=True, slots=True)
+class GoThrough:
+    """Drive through these places (m, in the frame that has the robot's pose `start`), then face `heading`."""
+
+    places: tuple[tuple[float, float], ...]
+    start: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    heading: float | None = None

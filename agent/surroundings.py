@@ -12,6 +12,9 @@ from ..world.robot import Percept, RobotGeometry
 
 _RIGHT = (0, 7, 1, 2, 3)
 _LEFT = (7, 0, 6, 5, 4)
+_GATE = 16.0
+_RECEDING = 6.0
+"""Squared standard deviations beyond which a measured line is refused."""
 
 
 class SideView:
@@ -124,12 +127,18 @@ class WallFilter:
         self._p01 = p01 + driven * p11
         self._p11 = p11 + self.turn_noise * self.turn_noise
 
-    def correct(self, wall: tuple[float, float], gate: float = 4.0) -> bool:
-        """Takes a measured line; False if it lies outside the gate (standard deviations) and was refused."""
+    def correct(self, wall: tuple[float, float]) -> bool:
+        """Takes a measured line; False if it lies outside the gate and was refused.
+
+        A line that recedes is gated more tightly: near a wall's end part of a sensor's cone misses the wall.
+        """
         dd, da = wall[0] - self.distance, wall[1] - self.angle
         s00 = self._p00 + self.distance_noise**2
         s11 = self._p11 + self.angle_noise**2
-        if dd * dd > gate * gate * s00 + 1e-6 or da * da > gate * gate * s11 + 1e-4:
+        if (
+            dd * dd > (_RECEDING if dd > 0.0 else _GATE) * s00
+            or da * da > (_RECEDING if da > 0.0 else _GATE) * s11
+        ):
             return False
         self._scalar(dd, s00, True)
         self._scalar(wall[1] - self.angle, self._p11 + self.angle_noise**2, False)
@@ -139,8 +148,9 @@ class WallFilter:
     def correct_distance(self, distance: float) -> None:
         """Takes a distance alone, where the diagonal sensor sees nothing of the wall."""
         innovation = distance - self.distance
-        if abs(innovation) < 0.02:
-            self._scalar(innovation, self._p00 + self.distance_noise**2, True)
+        variance = self._p00 + self.distance_noise**2
+        if innovation * innovation <= (_RECEDING if innovation > 0.0 else _GATE) * variance:
+            self._scalar(innovation, variance, True)
 
     def _scalar(self, innovation: float, variance: float, on_distance: bool) -> None:
         p00, p01, p11 = self._p00, self._p01, self._p11

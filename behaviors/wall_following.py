@@ -131,6 +131,11 @@ class WallFollowing(Behavior):
         """Publishes an event. A behavior that drives by this one replaces it to hear the corners first."""
         context.publish(event)
 
+    @property
+    def path(self) -> float:
+        """Meters driven since the start or the last corner, turns in place not counted."""
+        return self._path
+
     # --- states --------------------------------------------------------------------------------------
 
     def _search(self, view: SideView) -> WheelCommand:

@@ -1,0 +1,261 @@
+"""Mapping: from corners and samples to nodes, arcs and local maps, until a loop is closed (section 3.4).
+
+The mapper drives nothing itself. It starts behaviors, listens to what they report and grows a hybrid map:
+
+    follow the wall -> corner -> (back at a known one? then confirm) -> new node and arc
+    -> explore locally -> train the local map -> come to the corner again -> commit -> follow the wall ...
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import TYPE_CHECKING, Any
+
+from ..world.robot import Percept, wrap_angle
+from .boundary import BoundaryTrace, ClosingConfig
+from .calibration import MismatchEstimate
+from .events import (
+    ArcAdded,
+    BehaviorFinished,
+    CornerReached,
+    LocalMapBuilt,
+    LoopClosed,
+    NodeCommitted,
+    NodeCreated,
+    WallMet,
+)
+from .goals import ExploreLocally, Follow, FollowFrom, LocalSamples, ReturnToCorner
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ..maps.hybrid_map import HybridMap
+    from ..maps.local_map import LocalMap
+    from .agent import Agent
+    from .behavior import Context
+
+_STRATEGIES = {"rows": ("rows", "rows"), "columns": ("columns", "columns"), "alternate": ("rows", "columns")}
+
+
+class Phase(Enum):
+    """What mapping is waiting for."""
+
+    FOLLOW = "follow the wall"
+    EXPLORE = "explore around the node"
+    RETURN = "come to the corner again"
+    CONFIRM = "confirm the loop"
+    DONE = "done"
+
+
+@dataclass(frozen=True, slots=True)
+class MappingConfig:
+    """Settings of mapping.
+
+    side: of the wall. local_maps: whether to explore around nodes. strategy: "rows", "columns" or
+    "alternate". max_nodes: end after so many, None for no limit.
+    """
+
+    side: str = "right"
+    local_maps: bool = True
+    strategy: str = "alternate"
+    max_nodes: int | None = None
+    closing: ClosingConfig = field(default_factory=ClosingConfig)
+
+
+class Mapper:
+    """Builds a `HybridMap` with an `Agent` that has wall following, local exploration, position correction.
+
+    build: makes a `LocalMap` of the samples and the entry heading (rad, map frame). The map frame has node 0 at the origin, its x axis along node 0's entry heading.
+    """
+
+    def __init__(
+        self,
+        agent: Agent,
+        hybrid_map: HybridMap,
+        build: Callable[[LocalSamples, float], LocalMap],
+        config: MappingConfig = MappingConfig(),
+    ) -> None:
+        """Subscribes to the agent's events; `begin` starts the drive."""
+        self.agent = agent
+        self.map = hybrid_map
+        self.config = config
+        self.trace = BoundaryTrace(config.closing)
+        self.mismatch = MismatchEstimate()
+        self.phase = Phase.FOLLOW
+        self.reason = ""
+        self.current = -1
+        self._build = build
+        self._node_of: dict[int, int] = {}
+        self._corner: CornerReached | None = None
+        self._wall: WallMet | None = None
+        self._candidate = -1
+        self._pending: list[tuple[int, CornerReached]] = []
+        agent.bus.subscribe(CornerReached, self._on_corner)
+        agent.bus.subscribe(WallMet, self._on_wall)
+        agent.bus.subscribe(BehaviorFinished, self._on_finished)
+
+    def begin(self) -> None:
+        """Starts following the wall from wherever the robot stands."""
+        self.agent.start("wall-following", Follow(self.config.side))
+
+    def update(self, percept: Percept, context: Context) -> None:
+        """Nothing to do every tick: everything comes by events."""
+
+    @property
+    def done(self) -> bool:
+        """Whether mapping has ended; `reason` says why."""
+        return bool(self.reason)
+
+    # --- events --------------------------------------------------------------------------------------
+
+    def _on_wall(self, event: WallMet) -> None:
+        self._wall = event
+        if self.phase in (Phase.FOLLOW, Phase.CONFIRM) and self._corner is not None:
+            turn = wrap_angle(event.heading - self._corner.heading)
+            self._corner = None
+            self.trace.turned(turn)
+            node = self._node_of.get(len(self.trace.corners) - 1)
+            if node is not None:
+                self.map.graph.nodes[node]["turn"] = turn
+
+    def _on_corner(self, event: CornerReached) -> None:
+        if self.phase not in (Phase.FOLLOW, Phase.CONFIRM):
+            return
+        self._learn_mismatch(event)
+        self._corner = event
+        index = self.trace.reach(event.kind, event.path_length)
+        if self.phase is Phase.CONFIRM:
+            self._confirm(event)
+            return
+        candidate = self.trace.candidate()
+        if candidate is not None and candidate in self._node_of:
+            self._candidate, self._pending = candidate, [(index, event)]
+            self.phase = Phase.CONFIRM
+            return
+        self._add_node(index, event)
+        self._explore()
+
+    def _on_finished(self, event: BehaviorFinished) -> None:
+        if event.behavior == "local-exploration" and self.phase is Phase.EXPLORE:
+            self._keep_samples(event.result)
+            self._return()
+        elif event.behavior == "position-correction" and self.phase is Phase.RETURN:
+            if isinstance(event.result, CornerReached):
+                self._corner = event.result
+            self._commit()
+
+    # --- steps ---------------------------------------------------------------------------------------
+
+    def _add_node(self, index: int, event: CornerReached) -> None:
+        """Adds the node of a corner of the trace, and the arcs that join it to the one before."""
+        heading = wrap_angle(self.trace.poses()[index].heading)
+        turn = self.trace.corners[index].turn or 0.0
+        node = self.map.add_node(corner=event.kind, turn=turn, entry_heading=heading)
+        previous, self.current = self.current, node
+        self._node_of[index] = node
+        self.agent.bus.publish(
+            NodeCreated(time=self.agent.context.time, node=node, corner=event.kind, met_at=event.time)
+        )
+        if previous >= 0:
+            self._add_arc(previous, node, event.path_length)
+
+    def _explore(self) -> None:
+        if not self.config.local_maps:
+            self._commit()
+            return
+        self.agent.stop("wall-following")
+        self.phase = Phase.EXPLORE
+        strategy = _STRATEGIES[self.config.strategy][self.current % 2]
+        self.agent.start("local-exploration", ExploreLocally(strategy))
+
+    def _add_arc(self, source: int, target: int, distance: float) -> None:
+        side = self.config.side
+        self.map.add_arc(source, target, side=side, distance=distance, variance=_variance(distance))
+        self.agent.bus.publish(
+            ArcAdded(time=self.agent.context.time, source=source, target=target, side=side, distance=distance)
+        )
+
+    def _keep_samples(self, samples: Any) -> None:
+        node = self.current
+        if not isinstance(samples, LocalSamples) or len(samples.positions) == 0:
+            return
+        heading = self.map.graph.nodes[node]["entry_heading"]
+        self.map.graph.nodes[node]["local_map"] = self._build(samples, heading)
+        self.agent.bus.publish(
+            LocalMapBuilt(
+                time=self.agent.context.time,
+                node=node,
+                positions=len(samples.positions),
+                panoramas=len(samples.panoramas),
+            )
+        )
+
+    def _return(self) -> None:
+        assert self._corner is not None
+        self.phase = Phase.RETURN
+        length = self.trace.corners[-1].length or self._corner.path_length
+        self.agent.start("position-correction", ReturnToCorner(self.config.side, self._corner.kind, length))
+
+    def _commit(self) -> None:
+        """The node is complete: says so, and drives on."""
+        node = self.current
+        self.phase = Phase.FOLLOW
+        self.agent.bus.publish(NodeCommitted(time=self.agent.context.time, node=node))
+        if self.config.max_nodes is not None and len(self._node_of) >= self.config.max_nodes:
+            self._end("max nodes")
+        elif self.config.local_maps:
+            self._drive_on()
+
+    def _drive_on(self) -> None:
+        start = FollowFrom.CONCAVE if self.trace.corners[-1].kind == "concave" else FollowFrom.CONVEX
+        self.agent.start("wall-following", Follow(self.config.side, start))
+
+    def _confirm(self, event: CornerReached) -> None:
+        """Another corner after the one that may close the loop: must be the one that followed then."""
+        last = len(self.trace.corners) - 1
+        if not self.trace.agrees(self._candidate + len(self._pending), event.kind, event.path_length):
+            self._reject()
+            self._add_node(last, event)
+            self._explore()
+            return
+        self._pending.append((last, event))
+        if len(self._pending) > self.config.closing.confirmations:
+            self._close()
+
+    def _reject(self) -> None:
+        """It was another place after all: what was taken for known corners becomes nodes, unexplored."""
+        for index, event in self._pending:
+            self._add_node(index, event)
+            self.agent.bus.publish(NodeCommitted(time=self.agent.context.time, node=self.current))
+        self._pending = []
+        self.phase = Phase.FOLLOW
+
+    def _close(self) -> None:
+        first = self._node_of[self._candidate]
+        self._add_arc(self.current, first, self._pending[0][1].path_length)
+        known = [self._node_of[index] for index in sorted(self._node_of) if index >= self._candidate]
+        for (_, event), source, target in zip(self._pending[1:], known, known[1:], strict=False):
+            self.map.record_traversal(source, target, self.config.side, event.path_length)
+        self.current = known[(len(self._pending) - 1) % len(known)]
+        self.agent.bus.publish(LoopClosed(time=self.agent.context.time, node=first))
+        self._end("loop closed")
+
+    def _end(self, reason: str) -> None:
+        self.reason = reason
+        self.phase = Phase.DONE
+        self.agent.stop("wall-following")
+
+    def _learn_mismatch(self, event: CornerReached) -> None:
+        """The wall just followed was straight: whatever odometry turned along it is the wheels' doing."""
+        wall = self._wall
+        if wall is None or not self.trace.is_right_angled:
+            return
+        turned = wrap_angle(event.heading - wall.heading)
+        self.mismatch.straight(self.agent.robot.geometry.track, turned, event.path_length - 0.03)
+        self.agent.odometry.mismatch = self.mismatch.value
+
+
+def _variance(distance: float) -> float:
+    """Of an arc's length (m^2): encoder noise of 10 % uniform a millimeter, and a corner's 1 mm."""
+    return 1e-6 + distance * 1.6e-6

@@ -1,0 +1,140 @@
+"""Global navigation: drives arc after arc by wall following, ends known by their corners (section 3.5.1)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+from ..agent.behavior import Behavior, Context, Proposal, Transition
+from ..agent.events import CornerReached, Event, NodeReached
+from ..agent.goals import Follow, FollowFrom, GoAlong, Leg, LegDriven
+from ..agent.motion import spin_command
+from ..world.robot import STOP, Percept, WheelCommand
+from .wall_following import WallFollowing
+
+
+@dataclass(frozen=True, slots=True)
+class GoToNodeConfig:
+    """Settings of global navigation.
+
+    gate (m), gate_slope: a corner of the right kind within max(gate, gate_slope x distance) of the arc's
+    length is the arc's end. turn_speed: steps/s.
+    """
+
+    gate: float = 0.05
+    gate_slope: float = 0.15
+    turn_speed: float = 233.0
+
+
+class Going(Enum):
+    """What global navigation is doing."""
+
+    DEPART = "depart"
+    TURN = "turn"
+    FOLLOW = "follow"
+
+
+class GoToNode(Behavior):
+    """Drives the legs of a path. Goal: `agent.goals.GoAlong`. Result: a tuple of `LegDriven`.
+
+    Succeeds at the last leg's end; gives up where an expected corner does not come.
+    """
+
+    name = "go-to-node"
+    priority = 20
+    States = Going
+    initial = Going.DEPART
+    Config = GoToNodeConfig
+    transitions = (
+        Transition("turn", (Going.DEPART, Going.FOLLOW), Going.TURN),
+        Transition("follow", (Going.DEPART, Going.TURN), Going.FOLLOW),
+    )
+    config: GoToNodeConfig
+
+    def on_reset(self) -> None:
+        """Forgets the path."""
+        self._legs: list[Leg] = []
+        self._driven: list[LegDriven] = []
+        self._remaining = 0.0
+        self._path = 0.0
+        self._heard: CornerReached | None = None
+        self._follower = WallFollowing()
+        self._follower.emit = self._hear  # type: ignore[method-assign]
+
+    def on_start(self, goal: Any, context: Context) -> None:
+        """Takes a `GoAlong` goal. Raises: TypeError for anything else."""
+        if not isinstance(goal, GoAlong):
+            raise TypeError(f"{self.name} needs a GoAlong goal, not {goal!r}")
+        self._legs = list(goal.legs)
+
+    def propose(self, percept: Percept, context: Context) -> Proposal:
+        """One tick of navigation."""
+        if not self._legs:
+            self.finish(True, "arrived", tuple(self._driven))
+            return Proposal(STOP, 1.0, "arrived")
+        if self.state is Going.DEPART:
+            self._depart(context)
+            return Proposal(STOP, 1.0, "departing")
+        if self.state is Going.TURN:
+            return Proposal(self._turn(context), 1.0, "turning")
+        return self._follow(percept, context)
+
+    def _depart(self, context: Context) -> None:
+        leg = self._legs[0]
+        self._path = 0.0
+        if leg.turn:
+            self._remaining = leg.turn
+            self.fire("turn")
+            return
+        if leg.start is not None:
+            self._begin_follow(leg, context)
+        if self.state is not Going.FOLLOW:
+            self.fire("follow")
+
+    def _turn(self, context: Context) -> WheelCommand:
+        self._remaining -= context.turn
+        if abs(self._remaining) > 0.004:
+            return spin_command(context.geometry, self._remaining, self.config.turn_speed)
+        self._begin_follow(self._legs[0], context)
+        self.fire("follow")
+        return STOP
+
+    def _begin_follow(self, leg: Leg, context: Context) -> None:
+        self._follower.reset()
+        self._follower.on_start(Follow(leg.side, leg.start or FollowFrom.WALL), context)
+
+    def _follow(self, percept: Percept, context: Context) -> Proposal:
+        leg = self._legs[0]
+        proposal = self._follower.propose(percept, context)
+        corner, self._heard = self._heard, None
+        gate = max(self.config.gate, self.config.gate_slope * leg.distance)
+        if corner is not None:
+            self._path += corner.path_length
+            if corner.kind == leg.corner and abs(self._path - leg.distance) <= gate:
+                self._arrive(leg, context)
+                return Proposal(STOP, 1.0, f"at node {leg.target}")
+            if self._path > leg.distance - gate:
+                self._give_up(
+                    f"expected a {leg.corner} corner {leg.distance:.2f} m after node {leg.source}, met a "
+                    f"{corner.kind} one after {self._path:.2f} m"
+                )
+        elif self._path + self._follower.path > leg.distance + gate:
+            self._give_up(
+                f"no {leg.corner} corner within {leg.distance + gate:.2f} m after node {leg.source}"
+            )
+        return proposal
+
+    def _arrive(self, leg: Leg, context: Context) -> None:
+        self._driven.append(LegDriven(leg.source, leg.target, leg.side, self._path, True))
+        context.publish(NodeReached(time=context.time, node=leg.target))
+        self._legs.pop(0)
+        if self._legs:
+            self._depart(context)
+
+    def _give_up(self, reason: str) -> None:
+        self.finish(False, reason, tuple(self._driven))
+
+    def _hear(self, event: Event, context: Context) -> None:
+        if isinstance(event, CornerReached):
+            self._heard = event
