@@ -106,9 +106,9 @@ def run(options: argparse.Namespace) -> int:
         report = map_world(request, show)
         line.close()
         if options.figure is not None:
-            from .plot import plot_map
+            from .map_drawing import plot_map
 
-            plot_map(options.output, options.figure)
+            plot_map(options.output, options.figure, options.world)
     return tell(report, options)
 
 
