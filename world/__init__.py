@@ -1,1 +1,33 @@
-"""The robot and its surroundings."""
+"""The robot and its surroundings: worlds as data, simulated with DART or kinematically."""
+
+from .arenas import built_in_world, built_in_worlds, find_world
+from .base import PlacementError, SimulationError, UnknownWorldError, World, WorldError, WorldFileError
+from .factory import open_world
+from .noise import PRESETS, Noise
+from .robot import CONTROL_PERIOD, EPUCK, EPUCK2, Image, Percept, Pose, Robot, RobotGeometry, WheelCommand
+from .spec import WorldSpec
+
+__all__ = [
+    "CONTROL_PERIOD",
+    "EPUCK",
+    "EPUCK2",
+    "PRESETS",
+    "Image",
+    "Noise",
+    "Percept",
+    "PlacementError",
+    "Pose",
+    "Robot",
+    "RobotGeometry",
+    "SimulationError",
+    "UnknownWorldError",
+    "WheelCommand",
+    "World",
+    "WorldError",
+    "WorldFileError",
+    "WorldSpec",
+    "built_in_world",
+    "built_in_worlds",
+    "find_world",
+    "open_world",
+]

@@ -1,0 +1,59 @@
+"""Opening a world: the one entry point for all who simulate."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from .arenas import find_world
+from .base import World, WorldError
+from .kinematic import KinematicWorld
+from .noise import Noise, resolve_noise
+from .robot import EPUCK, Pose, RobotGeometry
+from .spec import WorldSpec
+
+MODELS = ("wheels", "planar")
+ENGINES = ("dart", "kinematic")
+
+
+def open_world(
+    world: str | Path | WorldSpec,
+    *,
+    seed: int = 0,
+    noise: str | Noise | Mapping[str, float] = "thesis",
+    noise_scale: float = 1.0,
+    model: str = "wheels",
+    engine: str = "dart",
+    start: Pose | str | None = None,
+    geometry: RobotGeometry = EPUCK,
+    rays: str = "auto",
+) -> World:
+    """A world ready to step, its first robot at `start`: a pose, a start's name, or None for the first start.
+
+    world: a built-in name, the path of a world file, or a description. model: "wheels" or "planar" (DART);
+    engine: "dart" or "kinematic". rays: "auto", "embree" or "numpy" (see `rays.make_caster`).
+
+    Raises: WorldError and its kinds, one line each: unknown world, model, engine, noise; bad file, start.
+    """
+    spec = world if isinstance(world, WorldSpec) else find_world(world)
+    starts = (_start_pose(spec, start), *spec.robots)
+    values = resolve_noise(noise, noise_scale)
+    if model not in MODELS:
+        raise WorldError(f"unknown robot model {model!r}; known: {', '.join(MODELS)}")
+    if engine == "kinematic":
+        return KinematicWorld(spec, starts, seed=seed, noise=values, geometry=geometry, rays=rays)
+    if engine != "dart":
+        raise WorldError(f"unknown engine {engine!r}; known: {', '.join(ENGINES)}")
+    from .dart import DartWorld  # here, so that who does not simulate physics needs no DART
+
+    return DartWorld(spec, starts, seed=seed, noise=values, geometry=geometry, rays=rays)
+
+
+def _start_pose(spec: WorldSpec, start: Pose | str | None) -> Pose:
+    if isinstance(start, Pose):
+        return start
+    if start is not None:
+        return spec.start(start)
+    if not spec.starts:
+        raise WorldError(f"world {spec.name!r} names no start; give one: x, y in meters and a heading")
+    return spec.starts[0].pose
