@@ -101,6 +101,8 @@ class Behavior(ABC):
     Config: ClassVar[type[Any]] = NoConfig
     restarts: ClassVar[bool] = False
     """Whether the agent starts it again by itself after a fault, until it is disabled: for reflexes."""
+    example_goal: ClassVar[Any] = None
+    """A goal that `on_start` takes, for `tolman plugins check`; None for a behavior that needs none."""
 
     def __init__(self, config: Any = None, **settings: Any) -> None:
         """`config`: an instance of `Config`; or give its fields by keyword.

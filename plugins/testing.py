@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..agent.behavior import Behavior, Context, Proposal
-from ..agent.events import Event
+from ..agent.events import Event, EventBus
 from ..agent.infrared import raw_value
 from ..agent.path_integration import PathIntegrator
 from ..world.robot import CONTROL_PERIOD, EPUCK, STOP, Image, Percept, Pose, RobotGeometry, WheelCommand
@@ -151,8 +151,14 @@ class Trial:
         self._odometry = PathIntegrator(geometry)
         self._encoders = (0.0, 0.0)
         self._tick = 0
+        self.bus = EventBus()
+        self.bus.subscribe(Event, self.events.append)
         self.context = Context(
-            geometry=geometry, publish=self._publish, look=_grey, rng=np.random.default_rng(seed)
+            geometry=geometry,
+            publish=self.bus.publish,
+            look=_grey,
+            rng=np.random.default_rng(seed),
+            subscribe=self.bus.subscribe,
         )
         behavior.reset()
         behavior.on_start(goal, self.context)
@@ -177,6 +183,7 @@ class Trial:
         self.proposals.append(proposal)
         if self.behavior.state is not self.states[-1]:
             self.states.append(self.behavior.state)
+        self.bus.deliver()
         self._tick += 1
         return proposal
 
@@ -192,10 +199,6 @@ class Trial:
         command = command.clamped(self.context.geometry.max_speed)
         left, right = self._encoders
         self._encoders = (left + command.left * CONTROL_PERIOD, right + command.right * CONTROL_PERIOD)
-
-    def _publish(self, event: Event) -> bool:
-        self.events.append(event)
-        return True
 
 
 def _grey() -> Image:

@@ -1,0 +1,148 @@
+from __future__ import annotations
+
+import random
+import time
+from enum import Enum
+from typing import Any, ClassVar
+
+import pytest
+from tolman.agent import Behavior, Context, Proposal, Transition
+from tolman.agent.events import Lost
+from tolman.behaviors.obstacle_avoidance import ObstacleAvoidance
+from tolman.behaviors.wander import Wander
+from tolman.plugins.check import check_behavior
+from tolman.world.robot import Percept, WheelCommand
+
+
+class Good(Behavior):
+    """Drives ahead."""
+
+    class States(Enum):
+        """ON: the only one."""
+
+        ON = "on"
+
+    name = "good"
+    priority = 1
+    initial = States.ON
+
+    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+        return Proposal(WheelCommand(100.0, 100.0), reason="ahead")
+
+
+class NotFinite(Good):
+    """Divides by a sensor."""
+
+    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+        return Proposal(WheelCommand(float("nan"), 1.0), reason="x")
+
+
+class Forgetful(Good):
+    """Keeps a count that `reset` does not reset."""
+
+    count = 0
+
+    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+        self.count += 1
+        return Proposal(WheelCommand(self.count % 500, 0.0), reason="count")
+
+
+class Dicing(Good):
+    """Takes its randomness from elsewhere."""
+
+    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+        return Proposal(WheelCommand(random.random(), 0.0), reason="dice")
+
+
+class Slow(Good):
+    """Dawdles."""
+
+    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+        time.sleep(0.001)
+        return None
+
+
+class Flooding(Good):
+    """Publishes without end."""
+
+    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+        for _ in range(200):
+            context.publish(Lost(time=context.time, reason="x"))
+        return None
+
+
+class Mute(Good):
+    """Says nothing about why."""
+
+    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+        return Proposal(WheelCommand(1.0, 1.0))
+
+
+class Unreachable(Good):
+    """Has a state nothing leads to."""
+
+    class States(Enum):
+        """ON, OFF."""
+
+        ON = "on"
+        OFF = "off"
+
+    initial = States.ON  # type: ignore[assignment]
+    transitions: ClassVar[tuple[Transition, ...]] = (Transition("on", States.OFF, States.ON),)
+
+
+class Misnamed(Good):
+    """Is called by a name no option can give."""
+
+    name = "My Behavior"
+
+
+class Undocumented(Good):
+    pass
+
+
+Undocumented.__doc__ = None
+
+
+@pytest.mark.parametrize(
+    ("cls", "check", "said"),
+    [
+        (NotFinite, "sane proposals", "not finite"),
+        (Forgetful, "reset", "on_reset"),
+        (Dicing, "determinism", "context.rng"),
+        (Slow, "speed", "us (median)"),
+        (Flooding, "limits", "events in one tick"),
+        (Mute, "sane proposals", "no reason"),
+        (Unreachable, "states", "no transition leads to OFF"),
+        (Misnamed, "declarations", "lower case"),
+        (Undocumented, "documentation", "no docstring"),
+    ],
+)
+def test_each_kind_of_fault_is_found_and_what_to_mend_is_said(
+    cls: type[Behavior], check: str, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tolman.plugins.check._no_simulator", lambda cls: iter(()))
+    report = check_behavior(cls, ticks=100)
+    failed = {finding.check: finding.mend for finding in report.findings if not finding.passed}
+    assert said in failed.get(check, f"passed; failed: {failed}")
+    assert not report.passed
+    assert f"MEND {check}" in report.text()
+
+
+@pytest.mark.parametrize("cls", [ObstacleAvoidance, Wander])
+def test_the_built_in_behaviors_conform(cls: type[Behavior]) -> None:
+    report = check_behavior(cls)
+    assert report.passed, report.text()
+
+
+def test_a_goal_that_is_refused_is_a_finding(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Wanting(Good):
+        """Wants a goal."""
+
+        def on_start(self, goal: Any, context: Context) -> None:
+            if goal != 7:
+                raise ValueError("the goal must be 7")
+
+    monkeypatch.setattr("tolman.plugins.check._no_simulator", lambda cls: iter(()))
+    assert not check_behavior(Wanting, ticks=10).passed
+    assert check_behavior(Wanting, 7, ticks=10).passed
