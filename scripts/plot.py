@@ -19,8 +19,9 @@ from matplotlib.patches import Circle
 from matplotlib.patches import Polygon as PolygonPatch
 from numpy.typing import NDArray
 
+from ..world.geometry import outline
 from ..world.robot import Pose
-from ..world.spec import Box, Cylinder, Polygon, Shape, Wall
+from ..world.spec import Shape
 
 WALL, PATH, ARC, LATTICE, NODE = "#3b4252", "#d08770", "#2e7d32", "#5e81ac", "#bf616a"
 DOTS_PER_INCH = 130
@@ -59,32 +60,6 @@ class Drawing:
     shapes: Sequence[Shape] = ()
     track: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2)))
     labels: Mapping[int, str] = field(default_factory=dict)
-
-
-def box_corners(x: float, y: float, width: float, depth: float, angle: float) -> NDArray[np.float64]:
-    """Corners (4, 2) m of a rectangle with center x, y, turned by `angle` (rad)."""
-    half = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * (width / 2, depth / 2)
-    cosine, sine = math.cos(angle), math.sin(angle)
-    corners: NDArray[np.float64] = half @ np.array([[cosine, sine], [-sine, cosine]]) + (x, y)
-    return corners
-
-
-def outline(shape: Shape) -> NDArray[np.float64]:
-    """Corners (n, 2) m of a shape's ground plan; a cylinder's is approximated by 48."""
-    if isinstance(shape, Box):
-        return box_corners(shape.x, shape.y, shape.width, shape.depth, shape.angle)
-    if isinstance(shape, Wall):
-        (x0, y0), (x1, y1) = shape.start, shape.end
-        length, angle = math.hypot(x1 - x0, y1 - y0), math.atan2(y1 - y0, x1 - x0)
-        return box_corners((x0 + x1) / 2, (y0 + y1) / 2, length, shape.thickness, angle)
-    if isinstance(shape, Cylinder):
-        around = np.linspace(0.0, math.tau, 48, endpoint=False)
-        return np.column_stack(
-            [shape.x + shape.radius * np.cos(around), shape.y + shape.radius * np.sin(around)]
-        )
-    if isinstance(shape, Polygon):
-        return np.array(shape.points, dtype=float)
-    raise TypeError(f"no ground plan for a {type(shape).__name__}")
 
 
 def placed(weights: NDArray[np.float64], pose: Pose) -> NDArray[np.float64]:
@@ -167,7 +142,7 @@ def legend(axes: Axes, drawing: Drawing) -> None:
 def extent(drawing: Drawing) -> tuple[float, float, float, float]:
     """Least and largest x and y (m) of what is drawn, with a margin."""
     places = [np.array([[pose.x, pose.y] for pose in drawing.nodes.values()]).reshape(-1, 2), drawing.track]
-    places += [outline(shape) for shape in drawing.shapes]
+    places += [np.array(outline(shape)) for shape in drawing.shapes]
     places += [placed(lattice.weights, drawing.nodes[node]) for node, lattice in drawing.lattices.items()]
     points = np.concatenate([place[np.isfinite(place).all(axis=1)] for place in places])
     if not len(points):

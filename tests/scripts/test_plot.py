@@ -13,12 +13,11 @@ from tolman.scripts.plot import (
     Lattice,
     compose_figure,
     extent,
-    outline,
     placed,
     save_drawing,
 )
 from tolman.world.robot import Pose
-from tolman.world.spec import Box, Cylinder, Polygon, Wall, room_walls
+from tolman.world.spec import Box, Cylinder, room_walls
 
 
 def sample() -> Drawing:
@@ -62,14 +61,6 @@ def test_a_map_without_nodes_can_be_drawn(tmp_path: Path) -> None:
 def test_points_of_a_node_are_turned_by_its_heading() -> None:
     moved = placed(np.array([[1.0, 0.0], [0.0, 1.0]]), Pose(2.0, 3.0, math.pi / 2))
     assert moved == pytest.approx(np.array([[2.0, 4.0], [1.0, 3.0]]))
-
-
-def test_ground_plans_have_the_size_of_their_shapes() -> None:
-    assert np.ptp(outline(Box(1, 1, 0.4, 0.2)), axis=0) == pytest.approx([0.4, 0.2])
-    assert np.ptp(outline(Box(1, 1, 0.4, 0.2, math.pi / 2)), axis=0) == pytest.approx([0.2, 0.4])
-    assert np.ptp(outline(Wall((0, 0), (1, 0), 0.02)), axis=0) == pytest.approx([1.0, 0.02])
-    assert np.ptp(outline(Cylinder(0, 0, 0.5)), axis=0) == pytest.approx([1.0, 1.0])
-    assert outline(Polygon(((0, 0), (1, 0), (0, 1)))).shape == (3, 2)
 
 
 def test_nothing_drawn_lies_outside_the_picture() -> None:
