@@ -32,12 +32,17 @@ class Follow:
 
 @dataclass(frozen=True, slots=True)
 class ExploreLocally:
-    """Explore the space around the node the robot stands at, heading along the local frame's x axis.
+    """Explore the space around the node the robot stands at; the local frame's x axis is the entry heading.
 
-    strategy: "rows" or "columns".
+    strategy: "rows" or "columns". heading: the robot's own, rad, in that frame. walls: those known already,
+    as (direction to it in rad, distance from the node in m, standard deviation of the direction in rad).
+    square: whether all walls are known to stand at right angles to these.
     """
 
     strategy: str = "rows"
+    heading: float = 0.0
+    walls: tuple[tuple[float, float, float], ...] = ()
+    square: bool = False
 
 
 @dataclass(frozen=True, slots=True)

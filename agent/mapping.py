@@ -8,6 +8,7 @@ The mapper drives nothing itself. It starts behaviors, listens to what they repo
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING, Any
@@ -53,20 +54,23 @@ class MappingConfig:
     """Settings of mapping.
 
     side: of the wall. local_maps: whether to explore around nodes. strategy: "rows", "columns" or
-    "alternate". max_nodes: end after so many, None for no limit.
+    "alternate". max_nodes: end after so many, None for no limit. wall_distance: at which walls are
+    followed (m).
     """
 
     side: str = "right"
     local_maps: bool = True
     strategy: str = "alternate"
     max_nodes: int | None = None
+    wall_distance: float = 0.057
     closing: ClosingConfig = field(default_factory=ClosingConfig)
 
 
 class Mapper:
     """Builds a `HybridMap` with an `Agent` that has wall following, local exploration, position correction.
 
-    build: makes a `LocalMap` of the samples and the entry heading (rad, map frame). The map frame has node 0 at the origin, its x axis along node 0's entry heading.
+    build: makes a `LocalMap` of the samples and the entry heading (rad, map frame). Done when `reason` is
+    set. The map frame has node 0 at the origin, its x axis along node 0's entry heading.
     """
 
     def __init__(
@@ -167,7 +171,19 @@ class Mapper:
         self.agent.stop("wall-following")
         self.phase = Phase.EXPLORE
         strategy = _STRATEGIES[self.config.strategy][self.current % 2]
-        self.agent.start("local-exploration", ExploreLocally(strategy))
+        self.agent.start("local-exploration", self._exploration(strategy))
+
+    def _exploration(self, strategy: str) -> ExploreLocally:
+        """What to explore, and what is known already: the wall it came along and, if square, the next."""
+        assert self._corner is not None
+        side = -0.5 * math.pi if self.config.side == "right" else 0.5 * math.pi
+        walls = [(side, self.config.wall_distance, 0.005)]
+        square = self.trace.is_right_angled or len(self.trace.corners) < 3
+        if square:
+            ahead = 0.0 if self._corner.kind == "concave" else math.pi
+            walls.append((ahead, self.config.wall_distance, 0.008))
+        heading = wrap_angle(self.agent.odometry.heading - self._corner.heading)
+        return ExploreLocally(strategy, heading, tuple(walls), square)
 
     def _add_arc(self, source: int, target: int, distance: float) -> None:
         side = self.config.side

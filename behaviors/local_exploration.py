@@ -13,7 +13,8 @@ from ..agent.behavior import Behavior, Context, Proposal, Transition
 from ..agent.goals import ExploreLocally, LocalSamples
 from ..agent.motion import drive_command, is_free, obstacles, spin_command
 from ..agent.rigid_graph import Cell, RigidGraph
-from ..world.robot import STOP, Image, Percept, Pose, WheelCommand, wrap_angle
+from ..agent.wall_scan import LandmarkPose, WallScan
+from ..world.robot import STOP, Image, Percept, WheelCommand, wrap_angle
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +23,8 @@ class LocalExplorationConfig:
 
     rows, columns, spacing (m): the rigid graph. position_interval, panorama_interval (m): how far apart
     samples are taken. speed, turn_speed: steps/s. margin: free space (m) left between shell and obstacle
-    where the robot goes; stop_margin: the same while driving.
+    where the robot goes; stop_margin: the same while driving. landmarks: whether walls swept while turning
+    correct the pose (profile `thesis`: path integration alone).
     """
 
     rows: int = 5
@@ -34,6 +36,7 @@ class LocalExplorationConfig:
     turn_speed: float = 300.0
     margin: float = 0.010
     stop_margin: float = 0.006
+    landmarks: bool = True
 
 
 class Exploring(Enum):
@@ -44,6 +47,7 @@ class Exploring(Enum):
     DRIVE = "drive"
     RETREAT = "retreat"
     VIEW = "view"
+    SCAN = "scan"
     SQUARE_UP = "square-up"
 
 
@@ -67,6 +71,8 @@ class LocalExploration(Behavior):
         Transition("arrived", Exploring.DRIVE, Exploring.PLAN),
         Transition("view", (Exploring.DRIVE, Exploring.PLAN), Exploring.VIEW),
         Transition("plan", Exploring.VIEW, Exploring.PLAN),
+        Transition("scan", Exploring.PLAN, Exploring.SCAN),
+        Transition("scanned", Exploring.SCAN, Exploring.PLAN),
         Transition("home", Exploring.PLAN, Exploring.SQUARE_UP),
     )
     config: LocalExplorationConfig
@@ -75,13 +81,15 @@ class LocalExploration(Behavior):
         """Forgets the place it was exploring."""
         config = self.config
         self._rigid = RigidGraph(config.rows, config.columns, config.spacing)
-        self._pose = Pose()
+        self._pose = LandmarkPose()
         self._here: Cell = self._rigid.center
         self._target: Cell | None = None
         self._queue: list[Cell] = []
         self._visited: set[Cell] = {self._here}
         self._given_up = 0
-        self._homing = False
+        self._scan: WallScan | None = None
+        self._scanned = not config.landmarks
+        self._remaining = 0.0
         self._positions: list[tuple[float, float]] = []
         self._view_places: list[tuple[float, float]] = []
         self._panoramas: list[list[Image]] = []
@@ -93,6 +101,11 @@ class LocalExploration(Behavior):
         if not isinstance(goal, ExploreLocally):
             raise TypeError(f"{self.name} needs an ExploreLocally goal, not {goal!r}")
         self._queue = self._rigid.order(goal.strategy)
+        self._scan = WallScan(context.geometry)
+        self._pose.heading = goal.heading
+        self._pose.square = goal.square
+        for normal, distance, deviation in goal.walls:
+            self._pose.know(normal, distance, deviation)
 
     def propose(self, percept: Percept, context: Context) -> Proposal:
         """One tick of exploring."""
@@ -107,7 +120,9 @@ class LocalExploration(Behavior):
         elif state is Exploring.RETREAT:
             command = self._retreat(percept, context)
         elif state is Exploring.VIEW:
-            command = self._view(context)
+            command = self._view(percept, context)
+        elif state is Exploring.SCAN:
+            command = self._last_scan(percept, context)
         else:
             command = self._square_up(context)
         return Proposal(command, 1.0, state.value)
@@ -119,7 +134,12 @@ class LocalExploration(Behavior):
             self._begin_view()
             return STOP
         self._target = self._next_cell()
-        self.fire("home" if self._target is None else "aim")
+        if self._target is not None:
+            self.fire("aim")
+        elif not self._scanned:
+            self._begin_scan(context)
+        else:
+            self.fire("home")
         return STOP
 
     def _next_cell(self) -> Cell | None:
@@ -134,8 +154,13 @@ class LocalExploration(Behavior):
                 return path[0]
             self._queue.pop(0)
             self._given_up += 1
-        path = self._rigid.path(self._here, self._rigid.center)
+        path = self._rigid.path(self._here, self._rigid.center if self._scanned else self._lookout())
         return path[0] if path else None
+
+    def _lookout(self) -> Cell:
+        """Where to look at walls last: behind the node, beside the wall it came along; else the node."""
+        behind = (self._rigid.center[0], 0)
+        return behind if behind in self._visited else self._rigid.center
 
     def _aim(self, percept: Percept, context: Context) -> WheelCommand:
         assert self._target is not None
@@ -184,18 +209,36 @@ class LocalExploration(Behavior):
         speed = -self._speed(remaining, context)
         return drive_command(context.geometry, speed, 3.0 * max(-0.3, min(0.3, error)))
 
-    def _view(self, context: Context) -> WheelCommand:
+    def _view(self, percept: Percept, context: Context) -> WheelCommand:
         """Turns to the four directions of the local frame, one after the other, and looks."""
         if not self._headings:
             self._panoramas.append([self._views[k] for k in range(4)])
             self._view_places.append((self._pose.x, self._pose.y))
             self._views = {}
+            self._correct(context)
             self.fire("plan" if self._target in (None, self._here) else "aim")
             return STOP
+        self._sweep(percept)
         remaining = wrap_angle(0.5 * math.pi * self._headings[0] - self._pose.heading)
         if abs(remaining) > 0.004:
             return spin_command(context.geometry, remaining, self.config.turn_speed)
         self._views[self._headings.pop(0)] = context.look()
+        return STOP
+
+    def _begin_scan(self, context: Context) -> None:
+        self._scan = WallScan(context.geometry)
+        self._remaining = math.tau
+        self.fire("scan")
+
+    def _last_scan(self, percept: Percept, context: Context) -> WheelCommand:
+        """One turn on the spot before going home, so that it gets home well."""
+        self._sweep(percept)
+        self._remaining -= context.turn
+        if self._remaining > 0.01:
+            return spin_command(context.geometry, self._remaining, self.config.turn_speed)
+        self._correct(context)
+        self._scanned = True
+        self.fire("scanned")
         return STOP
 
     def _square_up(self, context: Context) -> WheelCommand:
@@ -208,15 +251,20 @@ class LocalExploration(Behavior):
     # --- parts of states -----------------------------------------------------------------------------
 
     def _integrate(self, context: Context) -> None:
-        pose = self._pose
-        middle = pose.heading + 0.5 * context.turn
-        self._pose = Pose(
-            pose.x + context.distance * math.cos(middle),
-            pose.y + context.distance * math.sin(middle),
-            pose.heading + context.turn,
-        )
+        self._pose.move(context.distance, context.turn)
         if self._due(self._positions, self.config.position_interval):
             self._positions.append((self._pose.x, self._pose.y))
+
+    def _sweep(self, percept: Percept) -> None:
+        if self.config.landmarks and self._scan is not None:
+            self._scan.add(self._pose.heading, percept)
+
+    def _correct(self, context: Context) -> None:
+        """Corrects the pose by the walls swept over in the turn that has just ended."""
+        if self.config.landmarks and self._scan is not None:
+            for wall in self._scan.walls():
+                self._pose.see(wall)
+        self._scan = WallScan(context.geometry)
 
     def _due(self, places: list[tuple[float, float]], interval: float) -> bool:
         if not places:

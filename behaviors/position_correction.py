@@ -106,7 +106,8 @@ class PositionCorrection(Behavior):
         again = self.state is Correcting.MEASURE_AGAIN
         wall = self._view.side_wall()
         self._ticks += 1
-        if wall is not None and abs(wall[1]) < math.radians(25.0):
+        hidden = not again and self._goal is not None and self._goal.kind == "convex"
+        if wall is not None and not hidden and abs(wall[1]) < math.radians(25.0):
             self._angles.append(wall[1])
         if self._ticks < self.config.samples:
             return STOP
