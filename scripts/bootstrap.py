@@ -46,7 +46,7 @@ TARGETS = {
             ["-m", "ruff", "check", "."],
             ["-m", "ruff", "format", "--check", "."],
             ["-m", "mypy"],
-            ["-c", "import sys; from importlinter.cli import lint_imports_command as run; sys.exit(run())"],
+            ["-c", "from importlinter.cli import lint_imports_command; lint_imports_command()"],
         ],
     ),
     "format": ("dev", [["-m", "ruff", "check", "--fix", "."], ["-m", "ruff", "format", "."]]),
@@ -224,17 +224,16 @@ def set_up(extra: str) -> None:
 
 
 def run(target: str, arguments: list[str]) -> int:
-    """Runs the target's processes in turn and returns the first exit status that is not 0."""
+    """Runs all of the target's processes, in turn; returns the first exit status that is not 0."""
     environment = dict(os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", PYTHONUNBUFFERED="1")
     environment.pop("PYTHONPATH", None)
+    statuses = []
     for command in TARGETS[target][1]:
         print("tolman: python " + " ".join(command + arguments)[:100], file=sys.stderr, flush=True)
-        status = subprocess.run(
-            [str(venv_python()), *command, *arguments], cwd=str(ROOT), env=environment
-        ).returncode
-        if status != 0:
-            return status if status > 0 else 128 - status
-    return 0
+        full = [str(venv_python()), *command, *arguments]
+        statuses.append(subprocess.run(full, cwd=str(ROOT), env=environment).returncode)
+    failed = [status for status in statuses if status != 0]
+    return 0 if not failed else failed[0] if failed[0] > 0 else 128 - failed[0]
 
 
 def main(arguments: list[str]) -> int:

@@ -70,9 +70,7 @@ def test_missing_libraries_are_named_with_the_command(monkeypatch: pytest.Monkey
 
     monkeypatch.setattr("sys.platform", "linux")
     monkeypatch.setattr("ctypes.CDLL", load)
-    monkeypatch.setattr(
-        bootstrap.shutil, "which", lambda name: "/usr/bin/apt-get" if name == "apt-get" else None
-    )
+    monkeypatch.setattr("shutil.which", {"apt-get": "/usr/bin/apt-get"}.get)
     with pytest.raises(SetupError, match=r"libraries libGL\.so\.1;.*apt-get install -y libgl1$"):
         bootstrap.check_libraries()
 
