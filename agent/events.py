@@ -141,8 +141,15 @@ class LoopClosed(Event):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class NodePassed(Event):
+    """Navigation holds that the robot stands at `node`, on its way or at its end."""
+
+    node: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class NodeReached(Event):
-    """Navigation holds that the robot stands at `node`."""
+    """Navigation holds that the robot stands at `node`, the end of its trip, in the transition pose."""
 
     node: int
 

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
+from ..world.robot import Pose
+
 
 class FollowFrom(Enum):
     """Where a wall follower begins."""
@@ -75,6 +77,14 @@ class DriveBy:
 
 
 @dataclass(frozen=True, slots=True)
+class PlacesDriven:
+    """How local navigation went. reached: how many of the places; pose: where it ended, same frame."""
+
+    reached: int
+    pose: Pose
+
+
+@dataclass(frozen=True, slots=True)
 class ReturnToCorner:
     """Back off along the wall on `side` and come to the corner again, of that `kind`.
 
@@ -105,9 +115,10 @@ class Leg:
 
 @dataclass(frozen=True, slots=True)
 class GoAlong:
-    """Drive these legs one after the other."""
+    """Drive these legs one after the other, then turn in place by `face` (rad, counter-clockwise)."""
 
     legs: tuple[Leg, ...]
+    face: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

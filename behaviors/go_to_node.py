@@ -7,10 +7,10 @@ from enum import Enum
 from typing import Any
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
-from ..agent.events import CornerReached, Event, NodeReached
+from ..agent.events import CornerReached, Event, NodePassed
 from ..agent.goals import Follow, FollowFrom, GoAlong, Leg, LegDriven
 from ..agent.motion import spin_command
-from ..world.robot import STOP, Percept, WheelCommand
+from ..world.robot import STOP, Percept, WheelCommand, wrap_angle
 from .wall_following import WallFollowing
 
 
@@ -33,6 +33,7 @@ class Going(Enum):
     DEPART = "depart"
     TURN = "turn"
     FOLLOW = "follow"
+    FACE = "face"
 
 
 class GoToNode(Behavior):
@@ -49,6 +50,7 @@ class GoToNode(Behavior):
     transitions = (
         Transition("turn", (Going.DEPART, Going.FOLLOW), Going.TURN),
         Transition("follow", (Going.DEPART, Going.TURN), Going.FOLLOW),
+        Transition("face", (Going.DEPART, Going.FOLLOW), Going.FACE),
     )
     config: GoToNodeConfig
 
@@ -56,6 +58,7 @@ class GoToNode(Behavior):
         """Forgets the path."""
         self._legs: list[Leg] = []
         self._driven: list[LegDriven] = []
+        self._face = 0.0
         self._remaining = 0.0
         self._path = 0.0
         self._heard: CornerReached | None = None
@@ -67,11 +70,15 @@ class GoToNode(Behavior):
         if not isinstance(goal, GoAlong):
             raise TypeError(f"{self.name} needs a GoAlong goal, not {goal!r}")
         self._legs = list(goal.legs)
+        self._face = goal.face
 
     def propose(self, percept: Percept, context: Context) -> Proposal:
         """One tick of navigation."""
+        if self.state is Going.FACE:
+            return Proposal(self._turn_to_face(context), 1.0, "facing")
         if not self._legs:
-            self.finish(True, "arrived", tuple(self._driven))
+            self._remaining = self._face
+            self.fire("face")
             return Proposal(STOP, 1.0, "arrived")
         if self.state is Going.DEPART:
             self._depart(context)
@@ -98,6 +105,13 @@ class GoToNode(Behavior):
             return spin_command(context.geometry, self._remaining, self.config.turn_speed)
         self._begin_follow(self._legs[0], context)
         self.fire("follow")
+        return STOP
+
+    def _turn_to_face(self, context: Context) -> WheelCommand:
+        self._remaining -= context.turn
+        if abs(self._remaining) > 0.004:
+            return spin_command(context.geometry, self._remaining, self.config.turn_speed)
+        self.finish(True, "arrived", tuple(self._driven))
         return STOP
 
     def _begin_follow(self, leg: Leg, context: Context) -> None:
@@ -127,10 +141,13 @@ class GoToNode(Behavior):
 
     def _arrive(self, leg: Leg, context: Context) -> None:
         self._driven.append(LegDriven(leg.source, leg.target, leg.side, self._path, True))
-        context.publish(NodeReached(time=context.time, node=leg.target))
+        context.publish(NodePassed(time=context.time, node=leg.target))
         self._legs.pop(0)
         if self._legs:
             self._depart(context)
+        else:
+            self._remaining = wrap_angle(self._face - self._follower.skew)
+            self.fire("face")
 
     def _give_up(self, reason: str) -> None:
         self.finish(False, reason, tuple(self._driven))

@@ -8,7 +8,7 @@ from enum import Enum
 from typing import Any
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
-from ..agent.goals import GoThrough
+from ..agent.goals import GoThrough, PlacesDriven
 from ..agent.motion import drive_command, is_free, obstacles, spin_command
 from ..world.robot import STOP, Percept, Pose, WheelCommand, wrap_angle
 
@@ -32,7 +32,7 @@ class LocalGoing(Enum):
 
 
 class LocalGoTo(Behavior):
-    """Drives through places of a local map. Goal: `agent.goals.GoThrough`. Result: how many were reached.
+    """Drives through places of a local map. Goal: `agent.goals.GoThrough`. Result: `PlacesDriven`.
 
     An obstacle on the way: it goes back to the place before and gives up, so that the caller can remember the
     blocked edge and plan anew.
@@ -93,7 +93,9 @@ class LocalGoTo(Behavior):
         if abs(remaining) > 0.006:
             return spin_command(context.geometry, remaining, self.config.turn_speed)
         if not is_free(obstacles(percept, context.geometry), context.geometry, length, self.config.margin):
-            self.finish(False, f"the way to place {self._reached} is blocked", self._reached)
+            self.finish(
+                False, f"the way to place {self._reached} is blocked", PlacesDriven(self._reached, self.pose)
+            )
             return STOP
         self.fire("go")
         return STOP
@@ -118,7 +120,11 @@ class LocalGoTo(Behavior):
         length, bearing = self._to(self._from)
         error = wrap_angle(bearing + math.pi - self.pose.heading)
         if length * math.cos(error) < 0.001:
-            self.finish(False, f"an obstacle on the way to place {self._reached}", self._reached)
+            self.finish(
+                False,
+                f"an obstacle on the way to place {self._reached}",
+                PlacesDriven(self._reached, self.pose),
+            )
             return STOP
         return drive_command(context.geometry, -self.config.speed, 3.0 * max(-0.3, min(0.3, error)))
 
@@ -127,7 +133,7 @@ class LocalGoTo(Behavior):
             remaining = wrap_angle(self._heading - self.pose.heading)
             if abs(remaining) > 0.004:
                 return spin_command(context.geometry, remaining, self.config.turn_speed)
-        self.finish(True, "arrived", self._reached)
+        self.finish(True, "arrived", PlacesDriven(self._reached, self.pose))
         return STOP
 
     def _arrive(self) -> None:

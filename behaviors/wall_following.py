@@ -136,6 +136,11 @@ class WallFollowing(Behavior):
         """Meters driven since the start or the last corner, turns in place not counted."""
         return self._path
 
+    @property
+    def skew(self) -> float:
+        """The robot's heading (rad, counter-clockwise) from the direction of the wall it follows."""
+        return (self._view.sign if self._view is not None else 1.0) * self._filter.angle
+
     # --- states --------------------------------------------------------------------------------------
 
     def _search(self, view: SideView) -> WheelCommand:

@@ -1,0 +1,169 @@
+"""Navigation in a mapped environment: from node to node, and within a node's local map (section 3.5)."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from ..maps.errors import MapError
+from ..world.robot import Pose, wrap_angle
+from .events import BehaviorFinished, Lost, NodeReached
+from .goals import FollowFrom, GoAlong, GoThrough, Leg, LegDriven
+
+if TYPE_CHECKING:
+    from ..maps.hybrid_map import Arc, HybridMap
+    from .agent import Agent
+
+
+def plan_legs(hybrid_map: HybridMap, start: int, arrival: str, goal: int) -> tuple[Leg, ...]:
+    """The shortest way (A* over the graph) as legs to drive. Raises: MapError if there is none.
+
+    arrival: the side of the wall by which the robot came to `start`, which says how it stands there: in the
+    entry heading if that is the side the map was made by, else as it arrives from the other direction.
+    """
+    legs: list[Leg] = []
+    side: str | None = arrival
+    for arc in hybrid_map.path(start, goal):
+        legs.append(_leg(hybrid_map, arc, side, first=not legs))
+        side = arc.side
+    return tuple(legs)
+
+
+def _leg(hybrid_map: HybridMap, arc: Arc, side: str | None, first: bool) -> Leg:
+    concave = hybrid_map.graph.nodes[arc.start]["corner"] != "convex"
+    corner = hybrid_map.graph.nodes[arc.end]["corner"]
+    if arc.side == side:
+        start = (FollowFrom.CONCAVE if concave else FollowFrom.CONVEX) if first else None
+        return Leg(arc.start, arc.end, arc.side, arc.distance, corner, 0.0, start)
+    start = FollowFrom.WALL if concave else FollowFrom.GAP
+    return Leg(arc.start, arc.end, arc.side, arc.distance, corner, math.pi, start)
+
+
+class Navigator:
+    """Takes the robot from node to node of a map, by the behavior `go-to-node`.
+
+    node, arrival: where it holds the robot to be, and the side it came by. After `go`, `done` says that the
+    trip has ended and `reached` how; `legs` are the arcs driven, `reason` why it ended.
+    """
+
+    def __init__(self, agent: Agent, hybrid_map: HybridMap, node: int, arrival: str | None = None) -> None:
+        """arrival: None means by the side the map was made with: the robot stands in the transition pose."""
+        self.agent = agent
+        self.map = hybrid_map
+        self.node = node
+        self.arrival = arrival or hybrid_map.meta.side
+        self.legs: list[LegDriven] = []
+        self.path: list[int] = [node]
+        self.done = False
+        self.reached = False
+        self.reason = ""
+        agent.bus.subscribe(BehaviorFinished, self._on_finished)
+
+    def go(self, goal: int) -> None:
+        """Sets out for a node; the robot ends in its transition pose. Raises: MapError if there is no way."""
+        self.done = self.reached = False
+        self.reason = ""
+        self.legs = []
+        try:
+            legs = plan_legs(self.map, self.node, self.arrival, goal)
+        except MapError as error:
+            self._end(False, str(error))
+            return
+        self.path = [self.node, *(leg.target for leg in legs)]
+        side = legs[-1].side if legs else self.arrival
+        self.agent.start("go-to-node", GoAlong(legs, self._facing(goal, side)))
+
+    def _facing(self, node: int, side: str) -> float:
+        """How far to turn (rad) from how one arrives by `side` to the node's entry heading."""
+        if side == self.map.meta.side:
+            return 0.0
+        return wrap_angle(math.pi - self.map.graph.nodes[node]["turn"])
+
+    def _on_finished(self, event: BehaviorFinished) -> None:
+        if event.behavior != "go-to-node" or self.done:
+            return
+        self.legs = list(event.result or ())
+        if self.legs:
+            self.node = self.legs[-1].target
+            self.arrival = self.legs[-1].side
+        if event.succeeded:
+            self.arrival = self.map.meta.side
+            self.agent.bus.publish(NodeReached(time=event.time, node=self.node))
+        else:
+            self.agent.bus.publish(Lost(time=event.time, reason=event.reason))
+        self._end(event.succeeded, event.reason)
+
+    def _end(self, reached: bool, reason: str) -> None:
+        self.done, self.reached, self.reason = True, reached, reason
+
+
+class LocalNavigator:
+    """Takes the robot through a node's local map, from unit to unit of its metric SOM, by `local-go-to`.
+
+    pose: where it holds the robot to be in the local frame; it begins in the transition pose. An edge on
+    which an obstacle is met is remembered as blocked in the map, and another way is looked for.
+    """
+
+    def __init__(self, agent: Agent, hybrid_map: HybridMap, node: int) -> None:
+        """Raises: MapError if the node has no local map."""
+        local_map = hybrid_map.local_map(node)
+        if local_map is None:
+            raise MapError(f"node {node} has no local map to navigate in")
+        self.agent = agent
+        self.local_map = local_map
+        self.pose = Pose()
+        self.unit = local_map.nearest_unit(0.0, 0.0)
+        self.done = True
+        self.reached = False
+        self.reason = ""
+        self._units: list[int] = []
+        self._goal = self.unit
+        self._home = False
+        agent.bus.subscribe(BehaviorFinished, self._on_finished)
+
+    def go(self, unit: int) -> None:
+        """Sets out for a unit of the metric SOM, by A* over the edges not known to be blocked."""
+        self.done = self.reached = False
+        self._goal, self._home = unit, False
+        self._plan()
+
+    def home(self) -> None:
+        """Sets out for the node itself, to end in the transition pose."""
+        self.done = self.reached = False
+        self._goal, self._home = self.local_map.nearest_unit(0.0, 0.0), True
+        self._plan()
+
+    def _plan(self) -> None:
+        try:
+            path = self.local_map.path(self.unit, self._goal)
+        except MapError as error:
+            self._end(False, str(error))
+            return
+        self._units = list(path)
+        places = [self.local_map.position(unit) for unit in path]
+        if self._home:
+            places.append((0.0, 0.0))
+        start = (self.pose.x, self.pose.y, self.pose.heading)
+        heading = 0.0 if self._home else None
+        self.agent.start("local-go-to", GoThrough(tuple(places), start, heading))
+
+    def _on_finished(self, event: BehaviorFinished) -> None:
+        if event.behavior != "local-go-to" or self.done:
+            return
+        result = event.result
+        self.pose = result.pose
+        reached = result.reached
+        if event.succeeded:
+            self.unit = self._units[-1] if self._units else self.unit
+            self._end(True, event.reason)
+            return
+        before = self._units[reached - 1] if reached else self.unit
+        if reached < len(self._units) and self._units[reached] != before:
+            self.unit = before
+            self.local_map.block(before, self._units[reached])
+            self._plan()
+        else:
+            self._end(False, event.reason)
+
+    def _end(self, reached: bool, reason: str) -> None:
+        self.done, self.reached, self.reason = True, reached, reason
