@@ -37,7 +37,7 @@ class Limits:
 
 
 class Port:
-    """The agent's side of one behavior. A broken limit is raised at once, and kept in `broken` if swallowed."""
+    """The agent's side of one behavior. A broken limit is raised at once, and kept in `broken`."""
 
     __slots__ = ("_bus", "_events", "_limits", "_watch", "behavior", "broken", "context", "name")
 
@@ -83,7 +83,7 @@ class Port:
         return self._bus.publish(event)
 
     def subscribe(self, event_type: type[Any], handler: Callable[[Any], None]) -> Subscription:
-        """Subscribes in the behavior's name until it stops. Raises: SubscriptionLeakError beyond the limit."""
+        """Subscribes in the behavior's name until it stops. Raises: SubscriptionLeakError."""
         if len(self._bus.subscriptions(self.name)) >= self._limits.subscriptions:
             self.broken = SubscriptionLeakError(
                 f"more than {self._limits.subscriptions} subscriptions held; cancel what is not needed"
