@@ -76,7 +76,8 @@ def check(options: argparse.Namespace) -> None:
 def run(options: argparse.Namespace) -> int:
     """Maps, draws and reports."""
     check(options)
-    from .session import MapRequest, Progress, map_world
+    from .mapping_run import map_world
+    from .session import MapRequest, Progress
 
     request = MapRequest(
         world=options.world,
