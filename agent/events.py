@@ -78,13 +78,15 @@ class CornerReached(Event):
 
     kind: "concave" (a wall ahead) or "convex" (the wall at the side ended).
     path_length: m driven since the last corner, turns in place not counted.
-    heading: rad, path-integrated, of the wall just followed (wall tangent removed).
+    heading: rad, path-integrated, of the wall just followed. turn: rad, counter-clockwise, that the robot is
+    going to turn in place to follow the next wall, as far as it can tell from here.
     """
 
     side: str
     kind: str
     path_length: float
     heading: float
+    turn: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -135,9 +137,10 @@ class LocalMapBuilt(Event):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoopClosed(Event):
-    """The robot recognized that it is back at `node`."""
+    """The robot recognized that it was back at `node` at `met_at` (simulated seconds)."""
 
     node: int
+    met_at: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -174,6 +177,40 @@ class Freed(Event):
     """A stuck robot moves again. attempts: how many it took."""
 
     attempts: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StepStarted(Event):
+    """A mission began a step. path: its place in the mission, as 2.1 for the first in the second."""
+
+    path: str
+    step: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StepEnded(Event):
+    """A mission's step is done, or failed for a reason."""
+
+    path: str
+    step: str
+    succeeded: bool
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Said(Event):
+    """What a mission has to say."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MissionEnded(Event):
+    """The mission is over: done, failed, or cancelled."""
+
+    mission: str
+    status: str
+    reason: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -26,10 +26,14 @@ class FollowFrom(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Follow:
-    """Follow the wall on `side` ("right" or "left"); `start`: what the robot stands at."""
+    """Follow the wall on `side` ("right" or "left"); `start`: what the robot stands at.
+
+    turn: rad, counter-clockwise, by which to begin at a corner; None is a quarter to where it must lead.
+    """
 
     side: str
     start: FollowFrom = FollowFrom.SEARCH
+    turn: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +105,8 @@ class Leg:
     """One arc to drive: follow the wall on `side` to `target`, `distance` m on, a corner of kind `corner`.
 
     turn: rad, counter-clockwise, to turn in place before. start: what the robot then stands at, None to go
-    on following through the corner it has just reached.
+    on following through the corner it has just reached. bend: rad, counter-clockwise, by which the boundary
+    turns at the corner it starts at.
     """
 
     source: int
@@ -111,6 +116,7 @@ class Leg:
     corner: str
     turn: float = 0.0
     start: FollowFrom | None = None
+    bend: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,12 +9,13 @@ The mapper drives nothing itself. It starts behaviors, listens to what they repo
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
 from ..world.robot import Percept, wrap_angle
-from .boundary import BoundaryTrace, ClosingConfig
+from .boundary import BoundaryTrace, ClosingConfig, Corner
 from .calibration import MismatchEstimate
 from .events import (
     ArcAdded,
@@ -69,7 +70,8 @@ class MappingConfig:
 class Mapper:
     """Builds a `HybridMap` with an `Agent` that has wall following, local exploration, position correction.
 
-    build: makes a `LocalMap` of the samples and the entry heading (rad, map frame). Done when `reason` is
+    build: makes a `LocalMap` of the samples and the entry heading (rad, map frame). on_commit: called with
+    each node that is complete, while the robot stands at it, and when it met it first. Done when `reason` is
     set. The map frame has node 0 at the origin, its x axis along node 0's entry heading.
     """
 
@@ -79,8 +81,9 @@ class Mapper:
         hybrid_map: HybridMap,
         build: Callable[[LocalSamples, float], LocalMap],
         config: MappingConfig = MappingConfig(),
+        on_commit: Callable[[int, float], None] = lambda node, met_at: None,
     ) -> None:
-        """Subscribes to the agent's events; `begin` starts the drive."""
+        """Subscribes to the agent's events; `begin` starts the drive, `drive_on` goes on after `restore`."""
         self.agent = agent
         self.map = hybrid_map
         self.config = config
@@ -90,7 +93,9 @@ class Mapper:
         self.reason = ""
         self.current = -1
         self._build = build
+        self._on_commit = on_commit
         self._node_of: dict[int, int] = {}
+        self._met_at = 0.0
         self._corner: CornerReached | None = None
         self._wall: WallMet | None = None
         self._candidate = -1
@@ -110,6 +115,30 @@ class Mapper:
     def done(self) -> bool:
         """Whether mapping has ended; `reason` says why."""
         return bool(self.reason)
+
+    # --- state -----
+
+    def state(self) -> dict[str, Any]:
+        """What a resumed mapping needs to go on exactly, as JSON; to be taken in `on_commit`."""
+        assert self._corner is not None
+        return {
+            "corners": [[corner.kind, corner.length, corner.turn] for corner in self.trace.corners],
+            "nodes": sorted(self._node_of.items()),
+            "current": self.current,
+            "corner": asdict(self._corner),
+            "wall": None if self._wall is None else asdict(self._wall),
+            "mismatch": [self.mismatch.value, self.mismatch.variance],
+        }
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Goes back to a `state`; `drive_on` then goes on from there."""
+        self.trace.corners = [Corner(*corner) for corner in state["corners"]]
+        self._node_of = {int(index): int(node) for index, node in state["nodes"]}
+        self.current = int(state["current"])
+        self._corner = CornerReached(**state["corner"])
+        self._wall = None if state["wall"] is None else WallMet(**state["wall"])
+        self.mismatch.value, self.mismatch.variance = state["mismatch"]
+        self.agent.odometry.mismatch = self.mismatch.value
 
     # --- events --------------------------------------------------------------------------------------
 
@@ -158,6 +187,7 @@ class Mapper:
         node = self.map.add_node(corner=event.kind, turn=turn, entry_heading=heading)
         previous, self.current = self.current, node
         self._node_of[index] = node
+        self._met_at = event.time
         self.agent.bus.publish(
             NodeCreated(time=self.agent.context.time, node=node, corner=event.kind, met_at=event.time)
         )
@@ -165,10 +195,10 @@ class Mapper:
             self._add_arc(previous, node, event.path_length)
 
     def _explore(self) -> None:
+        self.agent.stop("wall-following")
         if not self.config.local_maps:
             self._commit()
             return
-        self.agent.stop("wall-following")
         self.phase = Phase.EXPLORE
         strategy = _STRATEGIES[self.config.strategy][self.current % 2]
         self.agent.start("local-exploration", self._exploration(strategy))
@@ -215,17 +245,19 @@ class Mapper:
 
     def _commit(self) -> None:
         """The node is complete: says so, and drives on."""
-        node = self.current
         self.phase = Phase.FOLLOW
-        self.agent.bus.publish(NodeCommitted(time=self.agent.context.time, node=node))
+        self._on_commit(self.current, self._met_at)
+        self.agent.bus.publish(NodeCommitted(time=self.agent.context.time, node=self.current))
         if self.config.max_nodes is not None and len(self._node_of) >= self.config.max_nodes:
             self._end("max nodes")
-        elif self.config.local_maps:
-            self._drive_on()
+        else:
+            self.drive_on()
 
-    def _drive_on(self) -> None:
-        start = FollowFrom.CONCAVE if self.trace.corners[-1].kind == "concave" else FollowFrom.CONVEX
-        self.agent.start("wall-following", Follow(self.config.side, start))
+    def drive_on(self) -> None:
+        """Follows the wall from the corner the robot stands at."""
+        assert self._corner is not None
+        start = FollowFrom.CONCAVE if self._corner.kind == "concave" else FollowFrom.CONVEX
+        self.agent.start("wall-following", Follow(self.config.side, start, self._corner.turn))
 
     def _confirm(self, event: CornerReached) -> None:
         """Another corner after the one that may close the loop: must be the one that followed then."""
@@ -243,6 +275,7 @@ class Mapper:
         """It was another place after all: what was taken for known corners becomes nodes, unexplored."""
         for index, event in self._pending:
             self._add_node(index, event)
+            self._on_commit(self.current, self._met_at)
             self.agent.bus.publish(NodeCommitted(time=self.agent.context.time, node=self.current))
         self._pending = []
         self.phase = Phase.FOLLOW
@@ -254,7 +287,8 @@ class Mapper:
         for (_, event), source, target in zip(self._pending[1:], known, known[1:], strict=False):
             self.map.record_traversal(source, target, self.config.side, event.path_length)
         self.current = known[(len(self._pending) - 1) % len(known)]
-        self.agent.bus.publish(LoopClosed(time=self.agent.context.time, node=first))
+        met_at = self._pending[0][1].time
+        self.agent.bus.publish(LoopClosed(time=self.agent.context.time, node=first, met_at=met_at))
         self._end("loop closed")
 
     def _end(self, reason: str) -> None:

@@ -33,8 +33,11 @@ def _leg(hybrid_map: HybridMap, arc: Arc, side: str | None, first: bool) -> Leg:
     concave = hybrid_map.graph.nodes[arc.start]["corner"] != "convex"
     corner = hybrid_map.graph.nodes[arc.end]["corner"]
     if arc.side == side:
-        start = (FollowFrom.CONCAVE if concave else FollowFrom.CONVEX) if first else None
-        return Leg(arc.start, arc.end, arc.side, arc.distance, corner, 0.0, start)
+        if not first:
+            return Leg(arc.start, arc.end, arc.side, arc.distance, corner)
+        start = FollowFrom.CONCAVE if concave else FollowFrom.CONVEX
+        bend = hybrid_map.graph.nodes[arc.start]["turn"] or None
+        return Leg(arc.start, arc.end, arc.side, arc.distance, corner, 0.0, start, bend)
     start = FollowFrom.WALL if concave else FollowFrom.GAP
     return Leg(arc.start, arc.end, arc.side, arc.distance, corner, math.pi, start)
 
@@ -53,6 +56,7 @@ class Navigator:
         self.node = node
         self.arrival = arrival or hybrid_map.meta.side
         self.legs: list[LegDriven] = []
+        self.planned: tuple[Leg, ...] = ()
         self.path: list[int] = [node]
         self.done = False
         self.reached = False
@@ -69,6 +73,7 @@ class Navigator:
         except MapError as error:
             self._end(False, str(error))
             return
+        self.planned = legs
         self.path = [self.node, *(leg.target for leg in legs)]
         side = legs[-1].side if legs else self.arrival
         self.agent.start("go-to-node", GoAlong(legs, self._facing(goal, side)))

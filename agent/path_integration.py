@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 from ..world.robot import Pose, RobotGeometry, wrap_angle
 
@@ -53,3 +55,19 @@ class PathIntegrator:
     def reset(self, pose: Pose) -> None:
         """Moves the estimate to `pose` without touching the distance travelled."""
         self.x, self.y, self.heading = pose.x, pose.y, pose.heading
+
+    def state(self) -> dict[str, Any]:
+        """All that changes, as JSON."""
+        return {
+            "pose": [self.x, self.y, self.heading],
+            "travelled": self.travelled,
+            "mismatch": self.mismatch,
+            "encoders": None if self._previous is None else list(self._previous),
+        }
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Goes back to a `state`."""
+        self.x, self.y, self.heading = state["pose"]
+        self.travelled, self.mismatch = state["travelled"], state["mismatch"]
+        encoders = state["encoders"]
+        self._previous = None if encoders is None else (encoders[0], encoders[1])

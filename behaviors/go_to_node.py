@@ -116,7 +116,7 @@ class GoToNode(Behavior):
 
     def _begin_follow(self, leg: Leg, context: Context) -> None:
         self._follower.reset()
-        self._follower.on_start(Follow(leg.side, leg.start or FollowFrom.WALL), context)
+        self._follower.on_start(Follow(leg.side, leg.start or FollowFrom.WALL, leg.bend), context)
 
     def _follow(self, percept: Percept, context: Context) -> Proposal:
         leg = self._legs[0]

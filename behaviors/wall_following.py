@@ -94,16 +94,16 @@ class WallFollowing(Behavior):
             raise TypeError(f"{self.name} needs a Follow goal, not {goal!r}")
         self._side = goal.side
         self._view = SideView(context.geometry, goal.side)
-        quarter = 0.5 * math.pi
+        turn = 0.5 * math.pi if goal.turn is None else abs(goal.turn)
         if goal.start is FollowFrom.WALL:
             self.fire("found_wall")
         elif goal.start is FollowFrom.GAP:
             self.fire("begin_gap")
         elif goal.start is FollowFrom.CONCAVE:
-            self._remaining = quarter
+            self._remaining = turn
             self.fire("begin_concave")
         elif goal.start is FollowFrom.CONVEX:
-            self._remaining = -quarter
+            self._remaining = -turn
             self.fire("begin_convex")
 
     def propose(self, percept: Percept, context: Context) -> Proposal:
@@ -266,6 +266,7 @@ class WallFollowing(Behavior):
                 kind=kind,
                 path_length=path,
                 heading=self._wall_direction(context),
+                turn=self._remaining * (self._view.sign if self._view is not None else 1.0),
             ),
             context,
         )

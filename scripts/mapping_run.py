@@ -1,0 +1,274 @@
+"""Runs a mapping: world, agent, mapper and map file together, and scores what came of it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from importlib.metadata import version
+from typing import Any
+
+from ..agent import Agent, PathIntegrator
+from ..agent.events import CornerReached, LocalMapBuilt, LoopClosed, NodeCreated
+from ..agent.goals import LocalSamples
+from ..agent.mapping import Mapper, MappingConfig
+from ..maps.hybrid_map import HybridMap
+from ..maps.local_map import LocalMap
+from ..maps.map_file import RUN, MapFile, read_truth
+from ..maps.meta import MapMeta
+from ..world import World
+from ..world.robot import Pose
+from .requests import MapReport, MapRequest, Progress, SessionError
+from .truth import node_truth, run_truth
+from .wiring import load_settings, make_agent, make_world
+
+CORRECT_WITHIN = 0.15
+"""Meters between where a node is and where the robot says it is at it, up to which it is right."""
+NO_CORNER_WITHIN = 30.0
+"""Meters of driving without a corner after which a mapping is given up."""
+
+
+def map_world(request: MapRequest, progress: Callable[[Progress], None] = lambda progress: None) -> MapReport:
+    """Maps a world, saving as it goes, and reports.
+
+    Raises: WorldError, MapError, SessionError, PluginError for a request that cannot be met; before the run.
+    """
+    settings = load_settings(request.config)
+    world = make_world(request, request.world, settings, request.start or request.side)
+    try:
+        with _open_file(request, world) as file:
+            run = MappingRun(request, world, file, settings, progress)
+            run.drive()
+            return run.report()
+    finally:
+        world.close()
+
+
+def _open_file(request: MapRequest, world: World) -> MapFile:
+    if request.resume:
+        file = MapFile.resume(request.output)
+        if file.map.meta.world_digest != world.spec.digest:
+            name = file.map.meta.world
+            file.seal()
+            raise SessionError(
+                f"{request.output}: a map of {name}, not of {world.spec.name}: cannot be resumed there"
+            )
+        return file
+    meta = MapMeta(
+        world=world.spec.name,
+        world_digest=world.spec.digest,
+        profile=request.profile,
+        side=request.side,
+        seed=request.seed,
+        noise=request.noise,
+        versions={"tolman": version("tolman")},
+        geometry=world.robots[0].geometry.name,
+        scalars={"noise_scale": request.noise_scale, "robot_model": request.model},
+    )
+    return MapFile.create(request.output, meta, force=request.force)
+
+
+class MappingRun:
+    """One mapping from start to report. Knows the truth; the agent does not."""
+
+    def __init__(
+        self,
+        request: MapRequest,
+        world: World,
+        file: MapFile,
+        settings: dict[str, Any],
+        progress: Callable[[Progress], None],
+    ) -> None:
+        """Wires everything; `drive` runs it."""
+        self.request, self.world, self.file, self.progress = request, world, file, progress
+        self.agent: Agent = make_agent(request, world, settings)
+        self.map = HybridMap(file.map.meta) if not request.resume else file.map
+        self.mapper = Mapper(
+            self.agent,
+            self.map,
+            self._build,
+            MappingConfig(
+                side=request.side,
+                local_maps=not request.global_only,
+                strategy=request.strategy,
+                max_nodes=request.max_nodes,
+            ),
+            self._commit,
+        )
+        self.raw = PathIntegrator(world.robots[0].geometry, world.true_pose())
+        self.truth: dict[int, Pose] = {}
+        self._met: dict[float, Pose] = {}
+        self._track: list[tuple[float, float]] = []
+        self._committed: int | None = None
+        self._loop_correct: bool | None = None
+        self._travelled_at_corner = 0.0
+        bus = self.agent.bus
+        bus.subscribe(CornerReached, self._on_corner)
+        bus.subscribe(NodeCreated, self._on_node)
+        bus.subscribe(LoopClosed, self._on_closed)
+        bus.subscribe(LocalMapBuilt, self._on_local_map)
+
+    # --- driving -------------------------------------------------------------------------------------
+
+    def drive(self) -> None:
+        """Runs until the mapper is done, or time is up."""
+        began = time.perf_counter()
+        if self.request.resume and self.file.state is not None:
+            self._restore()
+        else:
+            self.mapper.begin()
+        reason = self._loop()
+        self.wall_time = time.perf_counter() - began
+        self.reason = self.mapper.reason or reason
+        self._finish()
+
+    def _loop(self) -> str:
+        agent, world, mapper, raw = self.agent, self.world, self.mapper, self.raw
+        max_time = self.request.max_time
+        while True:
+            agent.tick()
+            raw.update(world.robots[0].sense().encoders)
+            if mapper.done:
+                return mapper.reason
+            if max_time is not None and world.time >= max_time:
+                return "max time"
+            if agent.odometry.travelled - self._travelled_at_corner > NO_CORNER_WITHIN:
+                return f"no corner within {NO_CORNER_WITHIN:.0f} m"
+            world.step()
+            self._trace()
+
+    def _trace(self) -> None:
+        pose = self.world.true_pose()
+        if not self._track or abs(pose.x - self._track[-1][0]) + abs(pose.y - self._track[-1][1]) > 0.01:
+            self._track.append((pose.x, pose.y))
+
+    def _build(self, samples: LocalSamples, entry_heading: float) -> LocalMap:
+        return LocalMap.build(
+            samples.positions,
+            samples.panorama_positions,
+            samples.panoramas,
+            entry_heading=entry_heading,
+            entry_panorama=samples.panoramas[0] if len(samples.panoramas) else None,
+        )
+
+    # --- truth and saving ----------------------------------------------------------------------------
+
+    def _on_corner(self, event: CornerReached) -> None:
+        """Notes where the robot truly stands, turned by what it believes to be askew to the wall."""
+        pose = self.world.true_pose()
+        skew = self.agent.odometry.heading - event.heading
+        self._met[event.time] = Pose(pose.x, pose.y, pose.heading - skew)
+        self._travelled_at_corner = self.agent.odometry.travelled
+
+    def _on_node(self, event: NodeCreated) -> None:
+        self.truth[event.node] = self._met[event.met_at]
+        self._report_progress(f"node {event.node}: {event.corner} corner")
+
+    def _on_closed(self, event: LoopClosed) -> None:
+        distance = self._met[event.met_at].distance_to(self.truth[event.node])
+        self._loop_correct = distance <= CORRECT_WITHIN
+        self._report_progress(f"loop closed at node {event.node}")
+
+    def _on_local_map(self, event: LocalMapBuilt) -> None:
+        self._travelled_at_corner = self.agent.odometry.travelled
+        self._report_progress(f"local map of node {event.node}: {event.panoramas} panoramas")
+
+    def _report_progress(self, message: str) -> None:
+        self.progress(Progress(self.world.time, self.map.graph.number_of_nodes(), message))
+
+    def _commit(self, node: int, met_at: float) -> None:
+        """Saves a complete node with all that a resumed run needs; it is on disk when this returns."""
+        self.truth[node] = self._met[met_at]
+        nodes = [node] if self._committed is None else [self._committed, node]
+        graph = self.map.graph
+        arcs = [*graph.in_edges(node, keys=True), *graph.out_edges(node, keys=True)]
+        self.map.meta = replace(self.map.meta, current_node=node, arrival=self.request.side)
+        truth = {node: node_truth(self.truth[node], self._track), RUN: self._run_truth()}
+        self.file.update(self.map, nodes, arcs, state=self._state(), truth=truth)
+        self._committed = node
+        self._track = []
+
+    def _run_truth(self) -> dict[str, Any]:
+        pose = self.world.true_pose()
+        return {
+            **run_truth(self._track),
+            "pose": [pose.x, pose.y, pose.heading],
+            "world": dict(self.world.state()),
+        }
+
+    def _state(self) -> dict[str, Any]:
+        return {
+            "mapper": self.mapper.state(),
+            "odometry": self.agent.odometry.state(),
+            "raw": self.raw.state(),
+            "truth": {str(node): [p.x, p.y, p.heading] for node, p in self.truth.items()},
+            "driver": self.agent.driver,
+        }
+
+    def _restore(self) -> None:
+        """Goes on where the last committed node left off, to the bit."""
+        state: Any = self.file.state
+        self.world.restore(read_truth(self.request.output).run["world"])
+        self.mapper.restore(state["mapper"])
+        self.agent.odometry.restore(state["odometry"])
+        self.raw.restore(state["raw"])
+        self.agent.driver = state["driver"]
+        self.truth = {int(node): Pose(*pose) for node, pose in state["truth"].items()}
+        self._committed = self.mapper.current
+        self.mapper.drive_on()
+        self.world.step()
+        self._report_progress(f"resumed after node {self.mapper.current}")
+
+    def _finish(self) -> None:
+        self.agent.bus.deliver()
+        current = self.mapper.current
+        closed = self._loop_correct is not None
+        if current >= 0:
+            self.map.meta = replace(
+                self.map.meta, current_node=current, arrival=self.request.side, loop_closed=closed
+            )
+        graph = self.map.graph
+        uncommitted = [node for node in graph if node not in self.truth]
+        graph.remove_nodes_from(uncommitted)
+        self.file.update(
+            self.map,
+            list(graph),
+            list(graph.edges(keys=True)),
+            truth={RUN: self._run_truth()},
+        )
+        self.file.seal()
+
+    # --- scoring -------------------------------------------------------------------------------------
+
+    def report(self) -> MapReport:
+        """Scores the map against the truth of this run."""
+        graph, side = self.map.graph, self.request.side
+        pairs = [
+            (data["distance"], self.truth[a].distance_to(self.truth[b]))
+            for a, b, kind, data in graph.edges(keys=True, data=True)
+            if kind == side
+        ]
+        mapped, true = sum(pair[0] for pair in pairs), sum(pair[1] for pair in pairs)
+        sim_time = self.world.time
+        return MapReport(
+            nodes=graph.number_of_nodes(),
+            arcs=graph.number_of_edges(),
+            local_maps=sum(data["local_map"] is not None for _, data in graph.nodes(data=True)),
+            loop_closed=self._loop_correct is not None,
+            loop_correct=self._loop_correct,
+            reason=self.reason,
+            loop_distance_m=mapped,
+            true_loop_distance_m=true,
+            position_error_m=abs(mapped - true),
+            largest_arc_error_m=max((abs(a - b) for a, b in pairs), default=0.0),
+            path_integration_error_m=self.raw.pose.distance_to(self.world.true_pose()),
+            collisions=self.world.collisions(),
+            sim_time_s=sim_time,
+            wall_time_s=self.wall_time,
+            real_time_factor=sim_time / self.wall_time if self.wall_time > 0 else 0.0,
+            seed=self.request.seed,
+            profile=self.request.profile,
+            noise=self.request.noise,
+            world=self.world.spec.name,
+            version=version("tolman"),
+        )

@@ -1,0 +1,72 @@
+"""Puts an agent together: behaviors by entry point, settings from a file, the mediator."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..agent import Agent
+from ..agent.ports import Limits
+from ..plugins.discovery import build_behaviors, load_mediator
+from ..world import World, open_world
+from ..world.robot import Pose
+from .requests import SessionError, Simulation
+
+CONFIG_LIMIT = 1 << 20
+_SECTIONS = ("behaviors", "mapping", "mediator", "noise")
+
+
+def load_settings(path: Path | None) -> dict[str, Any]:
+    """The settings of a YAML file: sections behaviors, mapping, mediator, noise. Raises: SessionError."""
+    if path is None:
+        return {}
+    import yaml
+
+    try:
+        if path.stat().st_size > CONFIG_LIMIT:
+            raise SessionError(f"{path}: larger than {CONFIG_LIMIT} bytes, too large for settings")
+        values = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise SessionError(f"{path}: not YAML: {' '.join(str(error).split())}") from None
+    if values is None:
+        return {}
+    if not isinstance(values, dict):
+        raise SessionError(f"{path}: expected sections such as `behaviors:`, found a {type(values).__name__}")
+    for name in values:
+        if name not in _SECTIONS:
+            raise SessionError(f"{path}: unknown section {name!r}; known: {', '.join(_SECTIONS)}")
+    return values
+
+
+def make_world(
+    simulation: Simulation, world: str, settings: Mapping[str, Any], start: Pose | str | None
+) -> World:
+    """Opens the world a request names, with its noise and robot model. Raises: WorldError."""
+    noise: Any = simulation.noise
+    if "noise" in settings:
+        noise = {"preset": simulation.noise, **settings["noise"]}
+    return open_world(
+        world,
+        seed=simulation.seed,
+        noise=noise,
+        noise_scale=simulation.noise_scale,
+        model=simulation.model,
+        engine=simulation.engine,
+        start=start,
+    )
+
+
+def make_agent(simulation: Simulation, world: World, settings: Mapping[str, Any], robot: int = 0) -> Agent:
+    """An agent for one of the world's robots, with every behavior that is found.
+
+    Behaviors from folders run under the default limits; without them nothing depends on the wall clock.
+    Raises: PluginError, ConfigError.
+    """
+    behaviors = build_behaviors(None, simulation.plugins, settings.get("behaviors"))
+    mediator = load_mediator(settings.get("mediator", "priority"), simulation.plugins)
+    limits = Limits() if simulation.plugins else Limits(budget=None)
+    seed = np.random.SeedSequence([simulation.seed, robot])
+    return Agent(world.robots[robot], behaviors.values(), mediator=mediator, seed=seed, limits=limits)
