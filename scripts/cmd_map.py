@@ -76,8 +76,7 @@ def check(options: argparse.Namespace) -> None:
 def run(options: argparse.Namespace) -> int:
     """Maps, draws and reports."""
     check(options)
-    from .mapping_run import map_world
-    from .session import MapRequest, Progress
+    from .session import MapRequest, Progress, map_world
 
     request = MapRequest(
         world=options.world,
