@@ -29,3 +29,21 @@ class SubscriptionLeakError(AgentError, RuntimeError):
 
 class BudgetExceededError(AgentError, TimeoutError):
     """A behavior took longer for a tick than it may."""
+
+
+class CodecError(AgentError, ValueError):
+    """A value that cannot be written as JSON, or text that is none of ours."""
+
+
+class MissionError(AgentError, ValueError):
+    """A mission that cannot be read or does not say what it must."""
+
+
+class StepFailedError(AgentError, RuntimeError):
+    """A mission's step failed; `step` and `reason` say which and why. Raised inside the mission."""
+
+    def __init__(self, step: object, reason: str) -> None:
+        """step: as it was yielded."""
+        super().__init__(f"{step}: {reason}")
+        self.step = step
+        self.reason = reason
