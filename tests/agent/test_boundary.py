@@ -1,0 +1,206 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from tolman.agent.boundary import BoundaryTrace, ClosingConfig
+from tolman.world.robot import wrap_angle
+
+Wall = tuple[float, float]
+"""(length of a wall in m, turn at its end in rad, counter-clockwise)."""
+
+
+def walls_of(points: list[tuple[float, float]]) -> list[Wall]:
+    """The walls of a polygon, from its first point on."""
+    count = len(points)
+    steps = [
+        (points[(i + 1) % count][0] - points[i][0], points[(i + 1) % count][1] - points[i][1])
+        for i in range(count)
+    ]
+    directions = [math.atan2(dy, dx) for dx, dy in steps]
+    return [
+        (math.hypot(*steps[i]), wrap_angle(directions[(i + 1) % count] - directions[i])) for i in range(count)
+    ]
+
+
+@st.composite
+def skylines(draw: st.DrawFn) -> list[Wall]:
+    """Right-angled rooms: a floor and a ceiling in steps; no feature smaller than 25 cm."""
+    heights = draw(st.lists(st.integers(1, 6), min_size=1, max_size=7))
+    heights = [h for i, h in enumerate(heights) if i == 0 or h != heights[i - 1]]
+    widths = [draw(st.integers(1, 2)) for _ in heights]
+    points = [(0.0, 0.0), (0.25 * sum(widths), 0.0)]
+    right = sum(widths)
+    for width, height in zip(reversed(widths), reversed(heights), strict=True):
+        points += [(0.25 * right, 0.25 * height), (0.25 * (right - width), 0.25 * height)]
+        right -= width
+    return walls_of(points)
+
+
+@st.composite
+def stars(draw: st.DrawFn) -> list[Wall]:
+    """Rooms with walls at any angle: corners around a center."""
+    count = draw(st.integers(5, 12))
+    points = []
+    for i in range(count):
+        angle = math.tau * (i + draw(st.floats(-0.25, 0.25))) / count
+        radius = draw(st.floats(0.7, 1.4))
+        points.append((radius * math.cos(angle), radius * math.sin(angle)))
+    return walls_of(points)
+
+
+def rotated(walls: list[Wall], by: int) -> list[Wall]:
+    return walls[by % len(walls) :] + walls[: by % len(walls)]
+
+
+def mirrored(walls: list[Wall]) -> list[Wall]:
+    """The same room followed with the other hand, from the other end."""
+    lengths = [length for length, _ in walls]
+    turns = [turn for _, turn in walls]
+    return [(lengths[-1 - i], -turns[(-2 - i) % len(walls)]) for i in range(len(walls))]
+
+
+def kind(turn: float, hand: float) -> str:
+    return "concave" if turn * hand > 0.0 else "convex"
+
+
+def follow(trace: BoundaryTrace, walls: list[Wall], hand: float) -> Iterator[int]:
+    """Reaches corner after corner, round and round; yields each corner's index before its turn is known."""
+    i = 0
+    while True:
+        length, turn = walls[i % len(walls)]
+        yield trace.reach(kind(turn, hand), length)
+        trace.turned(turn)
+        i += 1
+
+
+def first_closing(walls: list[Wall], hand: float, limit: int) -> tuple[int, int] | None:
+    """(corner that closes, corner it is) or None within `limit` corners."""
+    trace = BoundaryTrace()
+    for index in follow(trace, walls, hand):
+        if index >= limit:
+            return None
+        candidate = trace.candidate()
+        if candidate is not None:
+            return index, candidate
+    return None
+
+
+@given(skylines(), st.integers(0, 40), st.sampled_from([1.0, -1.0]))
+def test_a_right_angled_room_closes_after_one_round_at_the_first_corner(
+    walls: list[Wall], start: int, hand: float
+) -> None:
+    walls = rotated(walls if hand > 0.0 else mirrored(walls), start)
+    assert first_closing(walls, hand, 2 * len(walls)) == (len(walls), 0)
+
+
+@given(stars(), st.integers(0, 40), st.sampled_from([1.0, -1.0]))
+def test_a_room_with_any_angles_closes_after_one_round_at_the_first_corner(
+    walls: list[Wall], start: int, hand: float
+) -> None:
+    walls = rotated(walls if hand > 0.0 else mirrored(walls), start)
+    assert first_closing(walls, hand, 2 * len(walls)) == (len(walls), 0)
+
+
+@given(skylines(), st.data())
+def test_errors_of_length_and_turn_do_not_hide_the_closing(walls: list[Wall], data: st.DataObject) -> None:
+    lengths = st.floats(-0.002, 0.002)
+    turns = st.floats(-0.04, 0.04)
+    trace = BoundaryTrace()
+    for index in range(len(walls) + 1):
+        length, turn = walls[index % len(walls)]
+        trace.reach(kind(turn, 1.0), length + data.draw(lengths))
+        if index < len(walls):
+            assert trace.candidate() is None
+        trace.turned(turn + data.draw(turns))
+    assert trace.is_right_angled
+    trace.corners[-1].turn = None
+    assert trace.candidate() == 0
+
+
+@given(st.lists(st.floats(0.1, 1.0), min_size=4, max_size=40), st.sampled_from([0.5, 0.25]))
+def test_a_zigzag_never_closes(lengths: list[float], bend: float) -> None:
+    walls = [(length, (bend if i % 2 else -bend) * math.pi) for i, length in enumerate(lengths)]
+    assert first_closing(walls, 1.0, len(walls) - 1) is None
+
+
+def test_a_spiral_that_turns_fully_but_ends_elsewhere_does_not_close() -> None:
+    walls = [(0.3 * (1 + i), 0.5 * math.pi) for i in range(20)]
+    assert first_closing(walls, 1.0, 20) is None
+
+
+def test_a_full_turn_at_the_same_place_but_with_another_kind_of_corner_does_not_close() -> None:
+    trace = BoundaryTrace()
+    for i, what in enumerate(["concave"] * 4 + ["convex"]):
+        trace.reach(what, 1.0)
+        if i < 4:
+            trace.turned(0.5 * math.pi)
+    assert trace.candidate() is None
+
+
+def test_without_a_full_turn_the_same_place_is_another_corner() -> None:
+    """A figure of eight comes back to its middle with a net turn of nothing."""
+    quarter = 0.5 * math.pi
+    walls = [(1.0, quarter)] * 3 + [(1.0, -quarter)] * 3
+    trace = BoundaryTrace()
+    for length, turn in walls:
+        trace.reach("concave", length)
+        assert trace.candidate() is None
+        trace.turned(turn)
+
+
+@given(skylines())
+def test_poses_lie_on_the_room_s_corners_and_come_round(walls: list[Wall]) -> None:
+    trace = BoundaryTrace()
+    for index, (length, turn) in enumerate([*walls, walls[0]]):
+        trace.reach(kind(turn, 1.0), length)
+        if index < len(walls):
+            trace.turned(turn)
+    poses = trace.poses()
+    assert poses[-1].distance_to(poses[0]) < 1e-9
+    assert poses[-1].heading - poses[0].heading == pytest.approx(math.tau)
+    error = trace.closing_error(0)
+    assert math.hypot(error.x, error.y) < 1e-9
+    assert abs(error.heading) < 1e-9
+
+
+def test_nearly_quarter_turns_are_taken_as_quarters_and_others_are_not() -> None:
+    square, slanted = BoundaryTrace(), BoundaryTrace()
+    for turn in (1.53, 1.60, -1.55):
+        square.reach("concave", 1.0)
+        square.turned(turn)
+    for turn in (1.53, 1.1, -1.55):
+        slanted.reach("concave", 1.0)
+        slanted.turned(turn)
+    assert square.is_right_angled
+    assert square.turn_at(0) == pytest.approx(0.5 * math.pi)
+    assert square.turn_at(2) == pytest.approx(-0.5 * math.pi)
+    assert not slanted.is_right_angled
+    assert slanted.turn_at(1) == 1.1
+
+
+def test_nothing_is_known_of_an_empty_trace() -> None:
+    trace = BoundaryTrace()
+    trace.turned(1.0)
+    assert (trace.corners, trace.poses(), trace.candidate(), trace.is_right_angled) == ([], [], None, False)
+
+
+@pytest.mark.parametrize(
+    ("what", "length", "agrees"),
+    [
+        ("concave", 1.0, True),
+        ("concave", 1.049, True),
+        ("concave", 0.951, True),
+        ("concave", 1.06, False),
+        ("convex", 1.0, False),
+    ],
+)
+def test_a_confirming_corner_agrees_in_kind_and_length(what: str, length: float, agrees: bool) -> None:
+    trace = BoundaryTrace(ClosingConfig())
+    trace.reach("concave", 0.0)
+    trace.turned(1.57)
+    trace.reach("concave", 1.0)
+    assert trace.agrees(1, what, length) is agrees
