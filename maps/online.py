@@ -1,0 +1,125 @@
+"""Online SOM training, step by step as the thesis has it; in Gram form where samples are few and long.
+
+Gram form: the winner depends on distances alone, and a move of w toward sample s by a changes its squared
+distance to sample k by (1-a) d(w,k) + a d(s,k) - a (1-a) d(w,s). So the distances are carried along, and the
+weights are multiplied out once at the end. Exact up to rounding; the cost does not grow with the dimensions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from .lattice import Floats, Ints, Lattice
+from .schedules import OnlineConfig
+
+
+def train_online(
+    lattice: Lattice, weights: Floats, samples: Floats, config: OnlineConfig, rng: np.random.Generator
+) -> tuple[Floats, int, bool]:
+    """Trains from (units, dims) weights on (n, dims) samples: new weights, steps done, whether it converged."""
+    count, dims = samples.shape
+    if config.order == "sequence":
+        order = np.resize(np.arange(count), config.max_steps)
+    else:
+        order = rng.integers(count, size=config.max_steps)
+    run = _gram if count + lattice.units < dims else _direct
+    return run(lattice, weights, samples, config, order)
+
+
+def _gains(lattice: Lattice, config: OnlineConfig) -> Iterator[tuple[Floats | None, float]]:
+    """For each step: the (units, units) table of gains by winner (None: the winner alone), and the rate."""
+    rates, radii = config.rates(), config.radii()
+    near = lattice.steps
+    bubble = (near <= config.radius).astype(np.float64)
+    spread = -0.5 * lattice.squared_distances
+    for rate, radius in zip(rates.tolist(), radii.tolist(), strict=True):
+        if config.neighborhood == "bubble":
+            yield (bubble if radius > 0.0 else None), rate
+        elif radius < 0.12:  # exp(-1 / (2 * 0.12^2)) is 1e-15: nobody but the winner moves
+            yield None, rate
+        else:
+            yield spread / (radius * radius), rate
+
+
+def _direct(
+    lattice: Lattice, weights: Floats, samples: Floats, config: OnlineConfig, order: Ints
+) -> tuple[Floats, int, bool]:
+    weights = weights.copy()
+    gaussian = config.neighborhood == "gaussian"
+    count, moved, step = len(samples), 0.0, 0
+    for step, (index, (table, rate)) in enumerate(
+        zip(order.tolist(), _gains(lattice, config), strict=True), 1
+    ):
+        difference = samples[index] - weights
+        squared = np.einsum("ij,ij->i", difference, difference)
+        winner = int(squared.argmin())
+        if table is None:
+            weights[winner] += rate * difference[winner]
+            moved += rate * float(squared[winner]) ** 0.5
+        else:
+            gain = rate * (np.exp(table[winner]) if gaussian else table[winner])
+            weights += gain[:, None] * difference
+            moved += float(gain @ np.sqrt(squared))
+        if step % count == 0:
+            if moved / (count * lattice.units) < config.stop_delta:
+                return weights, step, True
+            moved = 0.0
+    return weights, step, False
+
+
+def _gram(
+    lattice: Lattice, weights: Floats, samples: Floats, config: OnlineConfig, order: Ints
+) -> tuple[Floats, int, bool]:
+    between = squared_distances(samples, samples)
+    apart = squared_distances(weights, samples)
+    gains = np.zeros((config.max_steps, lattice.units))
+    gaussian = config.neighborhood == "gaussian"
+    count, moved, step, converged = len(samples), 0.0, 0, False
+    for step, (index, (table, rate)) in enumerate(
+        zip(order.tolist(), _gains(lattice, config), strict=True), 1
+    ):
+        squared = apart[:, index]
+        winner = int(squared.argmin())
+        if table is None:
+            gains[step - 1, winner] = rate
+            own, row = float(squared[winner]), apart[winner]
+            row *= 1.0 - rate
+            row += rate * between[index] - rate * (1.0 - rate) * own
+            moved += rate * max(own, 0.0) ** 0.5
+        else:
+            gain = gains[step - 1]
+            np.multiply(np.exp(table[winner]) if gaussian else table[winner], rate, out=gain)
+            keep = 1.0 - gain
+            moved += float(gain @ np.sqrt(np.maximum(squared, 0.0)))
+            offset = gain * keep * squared
+            apart *= keep[:, None]
+            apart += gain[:, None] * between[index]
+            apart -= offset[:, None]
+        if step % count == 0:
+            converged = moved / (count * lattice.units) < config.stop_delta
+            if converged:
+                break
+            moved = 0.0
+    return _multiply_out(weights, samples, gains[:step], order[:step]), step, converged
+
+
+def _multiply_out(weights: Floats, samples: Floats, gains: Floats, order: Ints) -> Floats:
+    """Weights after steps of (steps, units) gains toward samples[order]."""
+    kept = np.cumprod((1.0 - gains)[::-1], axis=0)[::-1]
+    share = gains.copy()
+    share[:-1] *= kept[1:]
+    by_sample = np.zeros((len(samples), weights.shape[0]))
+    np.add.at(by_sample, order, share)
+    return kept[0][:, None] * weights + by_sample.T @ samples
+
+
+def squared_distances(left: Floats, right: Floats) -> Floats:
+    """(len(left), len(right)) squared Euclidean distances; exact for few dimensions, expanded for many."""
+    if left.shape[1] <= 8:
+        difference = left[:, None, :] - right[None, :, :]
+        return np.einsum("ijk,ijk->ij", difference, difference)
+    squared = np.einsum("ij,ij->i", left, left)[:, None] + np.einsum("ij,ij->i", right, right)[None, :]
+    squared -= 2.0 * (left @ right.T)
+    return np.maximum(squared, 0.0)
