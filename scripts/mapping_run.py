@@ -18,6 +18,7 @@ from ..maps.map_file import RUN, MapFile, read_truth
 from ..maps.meta import MapMeta
 from ..world import World
 from ..world.robot import Pose
+from .cli_output import plain
 from .requests import MapReport, MapRequest, Progress, SessionError
 from .truth import node_truth, run_truth
 from .wiring import load_settings, make_agent, make_world
@@ -82,6 +83,9 @@ class MappingRun:
         """Wires everything; `drive` runs it."""
         self.request, self.world, self.file, self.progress = request, world, file, progress
         self.agent: Agent = make_agent(request, world, settings)
+        self._met: dict[float, Pose] = {}
+        # Before the mapper subscribes: where a corner truly is must be noted before its node is committed.
+        self.agent.bus.subscribe(CornerReached, self._on_corner)
         self.map = HybridMap(file.map.meta) if not request.resume else file.map
         self.mapper = Mapper(
             self.agent,
@@ -97,13 +101,11 @@ class MappingRun:
         )
         self.raw = PathIntegrator(world.robots[0].geometry, world.true_pose())
         self.truth: dict[int, Pose] = {}
-        self._met: dict[float, Pose] = {}
         self._track: list[tuple[float, float]] = []
         self._committed: int | None = None
         self._loop_correct: bool | None = None
         self._travelled_at_corner = 0.0
         bus = self.agent.bus
-        bus.subscribe(CornerReached, self._on_corner)
         bus.subscribe(NodeCreated, self._on_node)
         bus.subscribe(LoopClosed, self._on_closed)
         bus.subscribe(LocalMapBuilt, self._on_local_map)
@@ -184,7 +186,8 @@ class MappingRun:
         arcs = [*graph.in_edges(node, keys=True), *graph.out_edges(node, keys=True)]
         self.map.meta = replace(self.map.meta, current_node=node, arrival=self.request.side)
         truth = {node: node_truth(self.truth[node], self._track), RUN: self._run_truth()}
-        self.file.update(self.map, nodes, arcs, state=self._state(), truth=truth)
+        plain_truth = {key: plain(value) for key, value in truth.items()}
+        self.file.update(self.map, nodes, arcs, state=plain(self._state()), truth=plain_truth)
         self._committed = node
         self._track = []
 
@@ -234,7 +237,7 @@ class MappingRun:
             self.map,
             list(graph),
             list(graph.edges(keys=True)),
-            truth={RUN: self._run_truth()},
+            truth={RUN: plain(self._run_truth())},
         )
         self.file.seal()
 
