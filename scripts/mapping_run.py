@@ -8,10 +8,11 @@ from dataclasses import replace
 from importlib.metadata import version
 from typing import Any
 
+import numpy as np
+
 from ..agent import Agent, PathIntegrator
 from ..agent.events import CornerReached, LocalMapBuilt, LoopClosed, NodeCreated
 from ..agent.goals import LocalSamples
-from ..agent.mapping import Mapper, MappingConfig
 from ..maps.hybrid_map import HybridMap
 from ..maps.local_map import LocalMap
 from ..maps.map_file import RUN, MapFile, read_truth
@@ -19,6 +20,7 @@ from ..maps.meta import MapMeta
 from ..world import World
 from ..world.robot import Pose
 from .cli_output import plain
+from .profiles import AnyMapper, Profile, find_profile, make_mapper
 from .requests import MapReport, MapRequest, Progress, SessionError
 from .truth import node_truth, run_truth
 from .wiring import load_settings, make_agent, make_world
@@ -34,11 +36,12 @@ def map_world(request: MapRequest, progress: Callable[[Progress], None] = lambda
 
     Raises: WorldError, MapError, SessionError, PluginError for a request that cannot be met; before the run.
     """
+    profile = find_profile(request.profile)
     settings = load_settings(request.config)
     world = make_world(request, request.world, settings, request.start or request.side)
     try:
         with _open_file(request, world) as file:
-            run = MappingRun(request, world, file, settings, progress)
+            run = MappingRun(request, world, file, settings, profile, progress)
             run.drive()
             return run.report()
     finally:
@@ -78,26 +81,19 @@ class MappingRun:
         world: World,
         file: MapFile,
         settings: dict[str, Any],
+        profile: Profile,
         progress: Callable[[Progress], None],
     ) -> None:
         """Wires everything; `drive` runs it."""
         self.request, self.world, self.file, self.progress = request, world, file, progress
-        self.agent: Agent = make_agent(request, world, settings)
+        self.profile = profile
+        self.agent: Agent = make_agent(request, world, settings, profile=profile)
         self._met: dict[float, Pose] = {}
         # Before the mapper subscribes: where a corner truly is must be noted before its node is committed.
         self.agent.bus.subscribe(CornerReached, self._on_corner)
         self.map = HybridMap(file.map.meta) if not request.resume else file.map
-        self.mapper = Mapper(
-            self.agent,
-            self.map,
-            self._build,
-            MappingConfig(
-                side=request.side,
-                local_maps=not request.global_only,
-                strategy=request.strategy,
-                max_nodes=request.max_nodes,
-            ),
-            self._commit,
+        self.mapper: AnyMapper = make_mapper(
+            profile, request, self.agent, self.map, self._build, self._commit
         )
         self.raw = PathIntegrator(world.robots[0].geometry, world.true_pose())
         self.truth: dict[int, Pose] = {}
@@ -145,10 +141,13 @@ class MappingRun:
             self._track.append((pose.x, pose.y))
 
     def _build(self, samples: LocalSamples, entry_heading: float) -> LocalMap:
+        """Trains a local map, with random numbers of its own so that a resumed run draws the same."""
         return LocalMap.build(
             samples.positions,
             samples.panorama_positions,
             samples.panoramas,
+            self.profile.local_map,
+            np.random.default_rng(np.random.SeedSequence([self.request.seed, self.mapper.current])),
             entry_heading=entry_heading,
             entry_panorama=samples.panoramas[0] if len(samples.panoramas) else None,
         )

@@ -7,12 +7,12 @@ import time
 from collections.abc import Callable
 from dataclasses import asdict
 
-from ..agent.navigation import Navigator
 from ..maps.hybrid_map import HybridMap
 from ..maps.map_file import Truth, read_truth
 from ..world import World
 from ..world.arenas import find_world
 from ..world.robot import Pose, wrap_angle
+from .profiles import AnyNavigator, find_profile, make_navigator
 from .requests import GoReport, GoRequest, Progress, SessionError
 from .wiring import load_settings, make_agent, make_world
 
@@ -27,6 +27,7 @@ def go_to(request: GoRequest, progress: Callable[[Progress], None] = lambda prog
 
     Raises: MapError, WorldError, SessionError, PluginError for a request that cannot be met; before the trip.
     """
+    profile = find_profile(request.profile)
     settings = load_settings(request.config)
     hybrid_map = HybridMap.load(request.map)
     truth = read_truth(request.map)
@@ -44,7 +45,7 @@ def go_to(request: GoRequest, progress: Callable[[Progress], None] = lambda prog
     world = make_world(request, world_name, settings, start)
     try:
         agent = make_agent(request, world, settings)
-        navigator = Navigator(agent, hybrid_map, node, arrival)
+        navigator = make_navigator(profile, agent, hybrid_map, node, arrival)
         return _drive(request, world, navigator, goal, truth, progress)
     finally:
         world.close()
@@ -66,7 +67,7 @@ def _start(request: GoRequest, hybrid_map: HybridMap, truth: Truth) -> tuple[Pos
 def _drive(
     request: GoRequest,
     world: World,
-    navigator: Navigator,
+    navigator: AnyNavigator,
     goal: int,
     truth: Truth,
     progress: Callable[[Progress], None],

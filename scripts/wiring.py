@@ -13,6 +13,7 @@ from ..agent.ports import Limits
 from ..plugins.discovery import build_behaviors, load_mediator
 from ..world import World, open_world
 from ..world.robot import Pose
+from .profiles import Profile, behavior_settings, find_profile
 from .requests import SessionError, Simulation
 
 CONFIG_LIMIT = 1 << 20
@@ -59,13 +60,22 @@ def make_world(
     )
 
 
-def make_agent(simulation: Simulation, world: World, settings: Mapping[str, Any], robot: int = 0) -> Agent:
+def make_agent(
+    simulation: Simulation,
+    world: World,
+    settings: Mapping[str, Any],
+    robot: int = 0,
+    profile: Profile | None = None,
+) -> Agent:
     """An agent for one of the world's robots, with every behavior that is found.
 
+    profile: None is the one that the simulation names.
+
     Behaviors from folders run under the default limits; without them nothing depends on the wall clock.
-    Raises: PluginError, ConfigError.
+    Raises: PluginError, ConfigError, SessionError.
     """
-    behaviors = build_behaviors(None, simulation.plugins, settings.get("behaviors"))
+    configs = behavior_settings(profile or find_profile(simulation.profile), settings.get("behaviors"))
+    behaviors = build_behaviors(None, simulation.plugins, configs)
     mediator = load_mediator(settings.get("mediator", "priority"), simulation.plugins)
     limits = Limits() if simulation.plugins else Limits(budget=None)
     seed = np.random.SeedSequence([simulation.seed, robot])

@@ -1,0 +1,153 @@
+"""Profiles as data: which behaviors with which settings, which mapper, which navigator, which local maps.
+
+`thesis` is the published method, faults included (decision records 060 and 061); `default` is ours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any, Literal, Protocol
+
+from ..agent import Agent
+from ..agent.goals import Leg, LegDriven, LocalSamples
+from ..agent.mapping import Mapper, MappingConfig
+from ..agent.navigation import Navigator
+from ..agent.thesis_mapping import ThesisMapper, ThesisMappingConfig
+from ..agent.thesis_navigation import ThesisNavigationConfig, ThesisNavigator
+from ..maps.hybrid_map import HybridMap
+from ..maps.local_map import DEFAULT, THESIS_2, LocalMap, LocalMapConfig
+from .cli_errors import did_you_mean
+from .requests import MapRequest, SessionError
+
+Settings = Mapping[str, Mapping[str, Any]]
+
+
+@dataclass(frozen=True, slots=True)
+class Profile:
+    """One method of mapping and navigating.
+
+    behaviors: settings by behavior, other than their defaults. mapper: nodes at corners of the boundary
+    ("corners"), or by algorithm 1 ("turns"). navigator: arcs end at recognized corners ("corners"), or after
+    their straight-line distance ("distance"). local_map: how local maps are trained. closing: threshold of
+    eq. 3.33 in D_a ("turns" only). correct: whether the position is corrected by views at each node
+    ("distance" only). max_nodes: limit of a mapping where none is asked for.
+    """
+
+    name: str
+    behaviors: Settings = field(default_factory=lambda: MappingProxyType({}))
+    mapper: Literal["corners", "turns"] = "corners"
+    navigator: Literal["corners", "distance"] = "corners"
+    local_map: LocalMapConfig = DEFAULT
+    closing: float | None = None
+    correct: bool = False
+    max_nodes: int | None = None
+
+
+PROFILES: Mapping[str, Profile] = MappingProxyType(
+    {
+        "default": Profile("default"),
+        "thesis": Profile(
+            "thesis",
+            behaviors=MappingProxyType(
+                {"local-exploration": MappingProxyType({"landmarks": False, "compass": False})}
+            ),
+            mapper="turns",
+            navigator="distance",
+            local_map=THESIS_2,
+            closing=1.0,
+            correct=True,
+            max_nodes=120,
+        ),
+    }
+)
+"""The profiles there are, by name."""
+
+
+def find_profile(name: str) -> Profile:
+    """The profile of that name. Raises: SessionError, naming those there are."""
+    try:
+        return PROFILES[name]
+    except KeyError:
+        known = ", ".join(PROFILES)
+        raise SessionError(
+            f"unknown profile {name!r}{did_you_mean(name, PROFILES)} (profiles: {known})"
+        ) from None
+
+
+def behavior_settings(profile: Profile, asked: Settings | None) -> dict[str, dict[str, Any]]:
+    """The profile's settings of behaviors, with those asked for on top."""
+    merged = {name: dict(values) for name, values in profile.behaviors.items()}
+    for name, values in (asked or {}).items():
+        merged.setdefault(name, {}).update(values)
+    return merged
+
+
+class AnyMapper(Protocol):
+    """What a run needs of a mapper, whichever the profile names."""
+
+    reason: str
+    current: int
+
+    @property
+    def done(self) -> bool:
+        """Whether mapping has ended; `reason` says why."""
+
+    def begin(self) -> None:
+        """Starts the drive."""
+
+    def drive_on(self) -> None:
+        """Goes on after `restore`."""
+
+    def state(self) -> dict[str, Any]:
+        """What a resumed mapping needs, as JSON."""
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Goes back to a `state`."""
+
+
+class AnyNavigator(Protocol):
+    """What a trip needs of a navigator, whichever the profile names."""
+
+    agent: Agent
+    node: int
+    legs: list[LegDriven]
+    planned: tuple[Leg, ...]
+    path: list[int]
+    done: bool
+    reached: bool
+    reason: str
+
+    def go(self, goal: int) -> None:
+        """Sets out for a node."""
+
+
+def make_mapper(
+    profile: Profile,
+    request: MapRequest,
+    agent: Agent,
+    hybrid_map: HybridMap,
+    build: Callable[[LocalSamples, float], LocalMap],
+    on_commit: Callable[[int, float], None],
+) -> AnyMapper:
+    """The mapper that the profile names, set as the request asks."""
+    limit = request.max_nodes if request.max_nodes is not None else profile.max_nodes
+    local_maps = not request.global_only
+    if profile.mapper == "turns":
+        published = ThesisMappingConfig(
+            request.side, local_maps, request.strategy, limit, closing=profile.closing
+        )
+        return ThesisMapper(agent, hybrid_map, build, published, on_commit)
+    config = MappingConfig(request.side, local_maps, request.strategy, limit)
+    return Mapper(agent, hybrid_map, build, config, on_commit)
+
+
+def make_navigator(
+    profile: Profile, agent: Agent, hybrid_map: HybridMap, node: int, arrival: str | None
+) -> AnyNavigator:
+    """The navigator that the profile names, for a robot at `node` that came by side `arrival`."""
+    if profile.navigator == "distance":
+        config = ThesisNavigationConfig(correct=profile.correct)
+        return ThesisNavigator(agent, hybrid_map, node, arrival, config)
+    return Navigator(agent, hybrid_map, node, arrival)
