@@ -31,6 +31,10 @@ class SimulationError(WorldError, RuntimeError):
     """The simulation cannot go on: a robot tipped or flew off, or its state is not finite."""
 
 
+class EngineMissingError(WorldError, ImportError):
+    """The simulation engine, or a system library that it needs, is not installed."""
+
+
 class World(Protocol):
     """A simulated world with its robots. Ground truth is reached only here, never through a `Robot`."""
 

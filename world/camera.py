@@ -1,8 +1,10 @@
-"""The camera: images by rays, supersampled, with lit faces, a checked floor and a sky."""
+"""The camera: images by rays, supersampled, with lit and textured faces, a checked floor and a sky."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -11,12 +13,37 @@ from .base import WorldError
 from .geometry import Floats
 from .rays import Caster
 from .robot import Image, Pose, RobotGeometry
-from .scene import Faces, luminance
-from .spec import Scenery
+from .scene import Faces, Ints, luminance
+from .spec import Scenery, Texture
 
 SUPERSAMPLING = 4
 """Rays per pixel along each side."""
 MAX_WIDTH, MAX_HEIGHT = 640, 480
+_BAND = 1 << 18
+"""Most rays that are cast at once, which bounds the memory of a large image."""
+
+
+@dataclass(frozen=True, slots=True)
+class Paint:
+    """How the faces of a scene look. shades: (faces,) luminance; texture: (faces,) index or -1.
+
+    starts: (faces, 2) m where the texture begins; along: (faces, 2) unit vectors; tiles: (faces, 2) m.
+    """
+
+    shades: Floats
+    texture: Ints
+    starts: Floats
+    along: Floats
+    tiles: Floats
+    bitmaps: tuple[Floats, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Layer:
+    """Faces that can be hit, and how they look."""
+
+    caster: Caster
+    paint: Paint
 
 
 @lru_cache(maxsize=16)
@@ -37,13 +64,21 @@ def pixel_rays(width: int, height: int, field_of_view: float, samples: int) -> F
 
 
 class Camera:
-    """Renders what a robot's camera sees of one set of faces."""
+    """Renders what a robot's camera sees of layers of faces."""
 
-    def __init__(self, geometry: RobotGeometry, scenery: Scenery, samples: int = SUPERSAMPLING) -> None:
-        """Prepares the light; `samples`: rays per pixel along each side."""
+    def __init__(
+        self,
+        geometry: RobotGeometry,
+        scenery: Scenery,
+        textures: Sequence[Texture] = (),
+        samples: int = SUPERSAMPLING,
+    ) -> None:
+        """Prepares light and textures; `samples`: rays per pixel along each side."""
         self._geometry = geometry
         self._scenery = scenery
         self._samples = samples
+        self._names = [texture.name for texture in textures]
+        self._bitmaps = tuple(np.array(texture.rows) for texture in textures)
         light = np.array(scenery.light)
         self._light: Floats = light / np.linalg.norm(light)
         self._sky = luminance(scenery.sky)
@@ -58,30 +93,55 @@ class Camera:
         ambient = self._scenery.ambient
         return ambient + (1.0 - ambient) * (0.5 + 0.5 * (normals @ self._light))
 
-    def brightness(self, faces: Faces) -> Floats:
-        """Luminance (count,) of each face under the light."""
-        shades: Floats = faces.albedo() * self.lit(faces.normals())
-        return shades
+    def paint(self, faces: Faces) -> Paint:
+        """The look of every face under this light."""
+        surfaces = [shape.surface for shape in faces.shapes]
+        names = [self._names.index(look.texture) if look.texture else -1 for look in surfaces]
+        along = faces.segments[:, 2:] - faces.segments[:, :2]
+        length = np.maximum(np.hypot(along[:, 0], along[:, 1]), 1e-12)
+        sides = len(faces.segments)
+        texture = np.full(faces.count, -1, dtype=np.int64)
+        starts, directions, tiles = (
+            np.zeros((faces.count, 2)),
+            np.zeros((faces.count, 2)),
+            np.ones((faces.count, 2)),
+        )
+        if sides:
+            texture[:sides] = np.array(names)[faces.owners]
+            starts[:sides], directions[:sides] = faces.segments[:, :2], along / length[:, None]
+            tiles[:sides] = np.array([look.tile for look in surfaces])[faces.owners]
+        return Paint(
+            faces.albedo() * self.lit(faces.normals()), texture, starts, directions, tiles, self._bitmaps
+        )
 
-    def render(self, pose: Pose, width: int, height: int, caster: Caster, brightness: Floats) -> Image:
+    def render(self, pose: Pose, width: int, height: int, layers: Sequence[Layer]) -> Image:
         """One image (height, width), luminance in [0, 1].
 
         Raises: WorldError for a size outside 1x1..640x480.
         """
         check_size(width, height)
-        local = pixel_rays(width, height, self._geometry.camera_field_of_view, self._samples)
+        samples = self._samples
+        rays = pixel_rays(width, height, self._geometry.camera_field_of_view, samples)
+        band = max(1, _BAND // (width * samples**2)) * width * samples**2
+        shades = [self._shades(pose, rays[k : k + band], layers) for k in range(0, len(rays), band)]
+        image = np.concatenate(shades).reshape(height, samples, width, samples).mean(axis=(1, 3))
+        result: Image = image.astype(np.float32)
+        return result
+
+    def _shades(self, pose: Pose, local: Floats, layers: Sequence[Layer]) -> Floats:
         cosine, sine = math.cos(pose.heading), math.sin(pose.heading)
         directions = local @ np.array(((cosine, sine, 0.0), (-sine, cosine, 0.0), (0.0, 0.0, 1.0)))
         forward = self._geometry.camera_forward
         origin = np.array((pose.x + cosine * forward, pose.y + sine * forward, self._geometry.camera_height))
-        _, face = caster.cast(np.broadcast_to(origin, directions.shape), directions)
+        origins = np.broadcast_to(origin, directions.shape)
         shades = self._background(origin, directions)
-        hit = face >= 0
-        shades[hit] = brightness[face[hit]]
-        samples = self._samples
-        image = shades.reshape(height, samples, width, samples).mean(axis=(1, 3))
-        result: Image = image.astype(np.float32)
-        return result
+        nearest = np.full(len(directions), np.inf)
+        for layer in layers:
+            distances, face = layer.caster.cast(origins, directions)
+            hit = np.flatnonzero(distances < nearest)
+            nearest[hit] = distances[hit]
+            shades[hit] = _colors(layer.paint, face[hit], origin, directions[hit], distances[hit])
+        return shades
 
     def _background(self, origin: Floats, directions: Floats) -> Floats:
         """Sky above the horizon, the checked floor below: (n,) luminances."""
@@ -93,6 +153,27 @@ class Camera:
         cells += np.floor((origin[1] + distance * directions[down, 1]) / side)
         shades[down] = self._floor[(cells % 2).astype(np.intp)]
         return shades
+
+
+def _colors(paint: Paint, face: Ints, origin: Floats, directions: Floats, distances: Floats) -> Floats:
+    """Luminances (n,) at the points where rays hit faces."""
+    shades: Floats = paint.shades[face]
+    textures = paint.texture[face]
+    for index, bitmap in enumerate(paint.bitmaps):
+        rows = np.flatnonzero(textures == index)
+        if len(rows):
+            which = face[rows]
+            points = origin + distances[rows, None] * directions[rows]
+            along = ((points[:, :2] - paint.starts[which]) * paint.along[which]).sum(axis=1)
+            across = (
+                np.floor(along / paint.tiles[which, 0] * bitmap.shape[1]).astype(np.intp) % bitmap.shape[1]
+            )
+            up = (
+                np.floor(points[:, 2] / paint.tiles[which, 1] * bitmap.shape[0]).astype(np.intp)
+                % bitmap.shape[0]
+            )
+            shades[rows] *= bitmap[bitmap.shape[0] - 1 - up, across]
+    return shades
 
 
 def check_size(width: int, height: int) -> None:

@@ -1,7 +1,7 @@
-"""Worlds simulated with DART: the only module that imports dartpy.
+"""Worlds simulated with DART.
 
-Recipe (measured, see docs/decisions): ODE collision detection, a plane as ground, all fixed shapes in one
-skeleton, the e-puck as a chassis with two casters and two wheels, four steps of 8 ms a tick.
+Recipe (measured, see docs/decisions): ODE collision detection, a plane as ground, the fixed shapes near the
+robots in one skeleton, four physics steps of 8 ms a control tick.
 """
 
 from __future__ import annotations
@@ -10,203 +10,150 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-import dartpy
 import numpy as np
 
+from ._dart import dartpy
 from .base import SimulationError
-from .geometry import outline, wall_box
-from .robot import CONTROL_PERIOD, Pose, RobotGeometry
+from .dart_bodies import GRAVITY, MovableBody, PlanarBody, RobotBody, WheelsBody, fixed, ground, solids
+from .geometry import Floats, outline
+from .robot import CONTROL_PERIOD, Pose
 from .simulated import SimulatedWorld
-from .spec import Box, Cylinder, Polygon, Shape, Wall
+from .spec import Box, Cylinder
 
 SUBSTEPS = 4
 STEP = CONTROL_PERIOD / SUBSTEPS
 """Seconds of one physics step."""
-SHELL_LOW, SHELL_HIGH = 0.008, 0.048
-"""Heights (m) between which the shell stands."""
-SHELL_FRICTION = 0.2
-WHEEL_FRICTION = 1.0
-CASTER_RADIUS, CASTER_OFFSET = 0.005, 0.028
-WHEEL_MASS = 0.005
-MASS_HEIGHT = 0.015
 TILT_LIMIT = math.cos(math.radians(20.0))
-WHEEL_SPEED_LIMIT = 100.0
-"""rad/s: ODE aborts the process when a body gets absurdly fast, so nothing faster reaches it."""
+SINK_LIMIT, RISE_LIMIT = -0.01, 0.02
+"""How far (m) a robot's axle may be off its height before the run is given up."""
+BODIES: dict[str, type[WheelsBody] | type[PlanarBody]] = {"wheels": WheelsBody, "planar": PlanarBody}
 
 
 class DartWorld(SimulatedWorld):
-    """The *wheels* robot under physics: it stops at walls while its wheels go on turning."""
+    """Robots and movable boxes under physics, among fixed shapes."""
 
-    kind = "dart-wheels"
-
-    def __init__(self, *args: Any, **options: Any) -> None:
-        """See `SimulatedWorld`; builds the DART world."""
+    def __init__(self, *args: Any, model: str = "wheels", **options: Any) -> None:
+        """See `SimulatedWorld`; model: "wheels" or "planar"."""
+        self.kind = f"dart-{model}"
         super().__init__(*args, **options)
         self._world: Any = dartpy.simulation.World(f"tolman-{self.spec.name}")
         self._world.setTimeStep(STEP)
-        self._world.setGravity([0.0, 0.0, -9.81])
+        self._world.setGravity([0.0, 0.0, -GRAVITY])
         self._world.getConstraintSolver().setCollisionDetector(dartpy.collision.OdeCollisionDetector())
-        self._world.addSkeleton(_ground())
-        self._world.addSkeleton(_fixed(self.spec.shapes))
+        self._world.addSkeleton(ground())
         track = self.geometry.track * (1.0 + self.noise.wrong_track)
-        self._skeletons: list[Any] = []
-        for index, pose in enumerate(self._poses):
-            skeleton = _wheels_robot(f"robot-{index}", self.geometry, track)
-            self._world.addSkeleton(skeleton)
-            self._skeletons.append(skeleton)
-            self._put(index, pose)
+        self._robots: list[RobotBody] = [
+            BODIES[model](f"robot-{index}", self.geometry, track) for index in range(len(self._poses))
+        ]
+        self._boxes = [
+            MovableBody(f"movable-{index}", movable) for index, movable in enumerate(self.spec.movable)
+        ]
+        for body in (*self._robots, *self._boxes):
+            self._world.addSkeleton(body.skeleton)
+        for robot, pose in zip(self._robots, self._poses, strict=True):
+            robot.put(pose.x, pose.y, pose.heading)
+        self._nearby = Nearby(self._world, self.spec.shapes, [movable.box for movable in self.spec.movable])
+        self._nearby.follow(self._places())
 
     def _advance(self, speeds: Sequence[tuple[float, float]]) -> None:
-        commands = [
-            np.array((0.0, 0.0, 0.0, 0.0, 0.0, 0.0, _limited(left), _limited(right)))
-            for left, right in speeds
-        ]
-        for skeleton, command in zip(self._skeletons, commands, strict=True):
-            skeleton.setCommands(command)
+        for robot, (left, right) in zip(self._robots, speeds, strict=True):
+            robot.drive(left, right)
         step = self._world.step
         for _ in range(SUBSTEPS):
+            for robot in self._robots:
+                robot.before_step()
             step(False)
+        self._movable_poses = [self._box_pose(index) for index in range(len(self._boxes))]
+        self._nearby.follow(self._places())
 
     def _read(self, index: int) -> Pose:
-        turn_x, turn_y, turn_z, x, y, z = self._skeletons[index].getPositions()[:6].tolist()
-        heading, upright = heading_and_tilt(turn_x, turn_y, turn_z)
-        if not upright > TILT_LIMIT:  # also when it is not a number
+        x, y, rise, heading, upright = self._robots[index].read()
+        if not (upright > TILT_LIMIT and SINK_LIMIT < rise < RISE_LIMIT):  # also when not a number
             raise SimulationError(
-                f"robot {index} tipped over or flew off after {self.time:.3f} s; the run ends"
+                f"robot {index} tipped or flew off after {self.time:.3f} s: near ({x:.3f}, {y:.3f}), "
+                f"{rise * 1000:.1f} mm up, tilt cosine {upright:.3f} (limit {TILT_LIMIT:.3f}); the run ends"
             )
-        if not -0.01 < z - self.geometry.wheel_radius < 0.02:
-            raise SimulationError(
-                f"robot {index} left the floor after {self.time:.3f} s (axle at {z:.3f} m); the run ends"
-            )
+        return Pose(x, y, math.remainder(heading, math.tau))
+
+    def _box_pose(self, index: int) -> Pose:
+        x, y, rise, heading, _ = self._boxes[index].read()
+        if not abs(rise) < 1.0:
+            raise SimulationError(f"movable box {index} flew off after {self.time:.3f} s; the run ends")
         return Pose(x, y, heading)
 
+    def _places(self) -> list[tuple[float, float]]:
+        return [(pose.x, pose.y) for pose in (*self._poses, *self._movable_poses)]
+
     def _put(self, index: int, pose: Pose) -> None:
-        skeleton = self._skeletons[index]
-        wheels = skeleton.getPositions()[6:].tolist()
-        skeleton.setPositions([0.0, 0.0, pose.heading, pose.x, pose.y, self.geometry.wheel_radius, *wheels])
-        skeleton.setVelocities(np.zeros(8))
+        self._robots[index].put(pose.x, pose.y, pose.heading)
+        self._poses[index] = pose
+        self._nearby.follow(self._places())
 
     def _bodies(self) -> Any:
-        return [
-            [skeleton.getPositions().tolist(), skeleton.getVelocities().tolist()]
-            for skeleton in self._skeletons
-        ]
+        skeletons = [body.skeleton for body in (*self._robots, *self._boxes)]
+        return {
+            "near": self._nearby.anchors,
+            "bodies": [[body.getPositions().tolist(), body.getVelocities().tolist()] for body in skeletons],
+        }
 
     def _restore_bodies(self, bodies: Any) -> None:
-        for skeleton, (positions, velocities) in zip(self._skeletons, bodies, strict=True):
+        skeletons = [body.skeleton for body in (*self._robots, *self._boxes)]
+        for skeleton, (positions, velocities) in zip(skeletons, bodies["bodies"], strict=True):
             skeleton.setPositions(positions)
             skeleton.setVelocities(velocities)
+        self._nearby.gather([(float(x), float(y)) for x, y in bodies["near"]])
+        self._movable_poses = [self._box_pose(index) for index in range(len(self._boxes))]
 
     def close(self) -> None:
         """Drops the DART world."""
         super().close()
-        self._skeletons = []
+        self._robots, self._boxes = [], []
         self._world = None
 
 
-def heading_and_tilt(x: float, y: float, z: float) -> tuple[float, float]:
-    """Heading (rad) and cosine of the tilt of a body with this rotation vector (rad)."""
-    angle = math.sqrt(x * x + y * y + z * z)
-    if angle < 1e-12:
-        return z, 1.0
-    x, y, z = x / angle, y / angle, z / angle
-    cosine, sine = math.cos(angle), math.sin(angle)
-    rest = 1.0 - cosine
-    return math.atan2(z * sine + x * y * rest, cosine + x * x * rest), cosine + z * z * rest
+class Nearby:
+    """Keeps only the fixed shapes near a body in the DART world, as its cost is per shape."""
 
+    SLACK = 0.10
+    """How far (m) a body moves before the shapes around it are gathered anew."""
+    REACH = 0.08
+    """How near (m), beyond the slack and the body's own size, a shape must be to be kept."""
 
-def _limited(speed: float) -> float:
-    return max(-WHEEL_SPEED_LIMIT, min(WHEEL_SPEED_LIMIT, speed))
+    def __init__(self, world: Any, shapes: Sequence[Any], movable: Sequence[Box]) -> None:
+        """Remembers all shapes; `follow` brings in the first."""
+        self._world = world
+        self._solids: list[Cylinder | Box] = [solid for shape in shapes for solid in solids(shape)]
+        corners = [np.array(outline(solid)) for solid in self._solids]
+        self._low: Floats = np.array([points.min(axis=0) for points in corners]).reshape(-1, 2)
+        self._high: Floats = np.array([points.max(axis=0) for points in corners]).reshape(-1, 2)
+        widest = max((math.hypot(box.width, box.depth) / 2 for box in movable), default=0.0)
+        self._reach = self.SLACK + self.REACH + max(0.035, widest)
+        self._kept: list[int] = []
+        self._skeleton: Any = None
+        self.anchors: list[tuple[float, float]] = []
 
+    def follow(self, places: list[tuple[float, float]]) -> None:
+        """Gathers anew when a body has moved away from where it was at the last time."""
+        limit = self.SLACK**2
+        if len(places) != len(self.anchors) or any(
+            (x - x0) ** 2 + (y - y0) ** 2 > limit
+            for (x, y), (x0, y0) in zip(places, self.anchors, strict=True)
+        ):
+            self.gather(places)
 
-def _placed(x: float, y: float, z: float, rotation: Any = None) -> Any:
-    place = dartpy.math.Isometry3()
-    place.set_translation([x, y, z])
-    if rotation is not None:
-        place.set_rotation(np.array(rotation, dtype=float))
-    return place
-
-
-def _add_shape(body: Any, shape: Any, place: Any, friction: float) -> None:
-    node = body.createShapeNode(shape)
-    node.setRelativeTransform(place)
-    node.createCollisionAspect()
-    node.createDynamicsAspect()
-    node.getDynamicsAspect().setFrictionCoeff(friction)
-
-
-def _ground() -> Any:
-    skeleton = dartpy.dynamics.Skeleton("ground")
-    _, body = skeleton.createWeldJointAndBodyNodePair()
-    _add_shape(body, dartpy.dynamics.PlaneShape([0.0, 0.0, 1.0], 0.0), _placed(0, 0, 0), 1.0)
-    return skeleton
-
-
-def _fixed(shapes: Sequence[Shape]) -> Any:
-    skeleton = dartpy.dynamics.Skeleton("fixed")
-    _, body = skeleton.createWeldJointAndBodyNodePair()
-    for shape in shapes:
-        if isinstance(shape, Cylinder):
-            place = _placed(shape.x, shape.y, shape.height / 2)
-            _add_shape(body, dartpy.dynamics.CylinderShape(shape.radius, shape.height), place, 1.0)
-        for box in collision_boxes(shape):
-            place = _placed(box.x, box.y, box.height / 2, _turned(box.angle))
-            _add_shape(body, dartpy.dynamics.BoxShape([box.width, box.depth, box.height]), place, 1.0)
-    return skeleton
-
-
-def collision_boxes(shape: Shape, rim: float = 0.004) -> list[Box]:
-    """The boxes that stand for a shape in DART: itself, or a rim of thin boxes inside a polygon's edges."""
-    if isinstance(shape, Box):
-        return [shape]
-    if isinstance(shape, Wall):
-        return [wall_box(shape)]
-    if not isinstance(shape, Polygon):
-        return []
-    points = outline(shape)
-    boxes = []
-    for (x0, y0), (x1, y1) in zip(points, (*points[1:], points[0]), strict=True):
-        length, angle = math.hypot(x1 - x0, y1 - y0), math.atan2(y1 - y0, x1 - x0)
-        inward_x, inward_y = -math.sin(angle) * rim / 2, math.cos(angle) * rim / 2
-        boxes.append(
-            Box((x0 + x1) / 2 + inward_x, (y0 + y1) / 2 + inward_y, length, rim, angle, shape.height)
-        )
-    return boxes
-
-
-def _turned(angle: float) -> list[list[float]]:
-    cosine, sine = math.cos(angle), math.sin(angle)
-    return [[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]]
-
-
-def _set_inertia(
-    body: Any, mass: float, moments: tuple[float, float, float], center: tuple[float, float, float]
-) -> None:
-    inertia = dartpy.dynamics.Inertia(mass, list(center), np.diag(moments))
-    body.setInertia(inertia)
-
-
-def _wheels_robot(name: str, geometry: RobotGeometry, track: float) -> Any:
-    """Chassis on a free joint, its origin on the axle; shell, two casters, two driven wheels."""
-    skeleton = dartpy.dynamics.Skeleton(name)
-    _, body = skeleton.createFreeJointAndBodyNodePair()
-    axle = geometry.wheel_radius
-    mass = geometry.mass - 2 * WHEEL_MASS
-    radius, height = geometry.body_radius, SHELL_HIGH - SHELL_LOW
-    side = mass * (3 * radius**2 + height**2) / 12
-    _set_inertia(body, mass, (side, side, mass * radius**2 / 2), (0.0, 0.0, MASS_HEIGHT - axle))
-    middle = (SHELL_LOW + SHELL_HIGH) / 2 - axle
-    _add_shape(body, dartpy.dynamics.CylinderShape(radius, height), _placed(0, 0, middle), SHELL_FRICTION)
-    for offset in (CASTER_OFFSET, -CASTER_OFFSET):
-        place = _placed(offset, 0, CASTER_RADIUS - axle)
-        _add_shape(body, dartpy.dynamics.SphereShape(CASTER_RADIUS), place, 0.0)
-    for offset in (track / 2, -track / 2):
-        joint, wheel = skeleton.createRevoluteJointAndBodyNodePair(body)
-        joint.setAxis([0.0, 1.0, 0.0])
-        joint.setTransformFromParentBodyNode(_placed(0, offset, 0))
-        joint.setActuatorType(dartpy.dynamics.ActuatorType.VELOCITY)
-        flat, spin = WHEEL_MASS * axle**2 / 4, WHEEL_MASS * axle**2 / 2
-        _set_inertia(wheel, WHEEL_MASS, (flat, spin, flat), (0.0, 0.0, 0.0))
-        on_axle = _placed(0, 0, 0, [[1, 0, 0], [0, 0, -1], [0, 1, 0]])
-        _add_shape(wheel, dartpy.dynamics.CylinderShape(axle, 1e-5), on_axle, WHEEL_FRICTION)
-    return skeleton
+    def gather(self, places: list[tuple[float, float]]) -> None:
+        """Puts the shapes near `places` into the world, in the order of the description."""
+        self.anchors = list(places)
+        near = np.zeros(len(self._solids), dtype=bool)
+        for place in places:
+            gap = np.maximum(np.maximum(self._low - place, place - self._high), 0.0)
+            near |= (gap**2).sum(axis=1) < self._reach**2
+        kept: list[int] = np.flatnonzero(near).tolist()
+        if kept == self._kept:
+            return
+        self._kept = kept
+        if self._skeleton is not None:
+            self._world.removeSkeleton(self._skeleton)
+        self._skeleton = fixed([self._solids[index] for index in kept]) if kept else None
+        if self._skeleton is not None:
+            self._world.addSkeleton(self._skeleton)

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from .arenas import find_world
 from .base import World, WorldError
 from .kinematic import KinematicWorld
 from .noise import Noise, resolve_noise
 from .robot import EPUCK, Pose, RobotGeometry
+from .sensing import Sensing, resolve_sensing
 from .spec import WorldSpec
 
 MODELS = ("wheels", "planar")
 ENGINES = ("dart", "kinematic")
+ENGINES_OF_RAYS = ("auto", "embree", "numpy")
 
 
 def open_world(
@@ -27,11 +30,13 @@ def open_world(
     start: Pose | str | None = None,
     geometry: RobotGeometry = EPUCK,
     rays: str = "auto",
+    sensing: Sensing | Mapping[str, Any] | None = None,
 ) -> World:
     """A world ready to step, its first robot at `start`: a pose, a start's name, or None for the first start.
 
     world: a built-in name, the path of a world file, or a description. model: "wheels" or "planar" (DART);
-    engine: "dart" or "kinematic". rays: "auto", "embree" or "numpy" (see `rays.make_caster`).
+    engine: "dart" or "kinematic". noise: a preset, values, or a mapping of values. sensing: delays and
+    intervals of sensors. rays: "auto", "embree" or "numpy" (see `rays.make_caster`).
 
     Raises: WorldError and its kinds, one line each: unknown world, model, engine, noise; bad file, start.
     """
@@ -40,13 +45,21 @@ def open_world(
     values = resolve_noise(noise, noise_scale)
     if model not in MODELS:
         raise WorldError(f"unknown robot model {model!r}; known: {', '.join(MODELS)}")
+    if rays not in ENGINES_OF_RAYS:
+        raise WorldError(f"unknown ray engine {rays!r}; known: {', '.join(ENGINES_OF_RAYS)}")
+    options: dict[str, Any] = {
+        "noise": values,
+        "sensing": resolve_sensing(sensing),
+        "geometry": geometry,
+        "rays": rays,
+    }
     if engine == "kinematic":
-        return KinematicWorld(spec, starts, seed=seed, noise=values, geometry=geometry, rays=rays)
+        return KinematicWorld(spec, starts, seed=seed, **options)
     if engine != "dart":
         raise WorldError(f"unknown engine {engine!r}; known: {', '.join(ENGINES)}")
     from .dart import DartWorld  # here, so that who does not simulate physics needs no DART
 
-    return DartWorld(spec, starts, seed=seed, noise=values, geometry=geometry, rays=rays)
+    return DartWorld(spec, starts, model=model, seed=seed, **options)
 
 
 def _start_pose(spec: WorldSpec, start: Pose | str | None) -> Pose:

@@ -92,6 +92,7 @@ class Plan:
         self.segments = outline_segments(self.outlines)
         self.owners = np.repeat(np.arange(len(kept)), [len(points) for points in self.outlines])
         self._cells: dict[tuple[int, int, float], NDArray[np.intp]] = {}
+        self._rows: dict[tuple[int, int, float], Floats] = {}
         self._edges: dict[tuple[int, int, float], list[tuple[float, float, float, float, float]]] = {}
 
     @cached_property
@@ -114,6 +115,16 @@ class Plan:
                 self._cells.clear()
             self._cells[key] = found
         return found
+
+    def near_segments(self, x: float, y: float, reach: float) -> Floats:
+        """Segments (n, 4) m, at least all those closer than `reach` (m) to (x, y); remembered by cell."""
+        key = (math.floor(x / self.CELL), math.floor(y / self.CELL), reach)
+        rows = self._rows.get(key)
+        if rows is None:
+            rows = self._rows[key] = self.segments[self.near(x, y, reach)]
+            if len(self._rows) > 20000:
+                self._rows = {key: rows}
+        return rows
 
     def gaps(self, x: float, y: float, radius: float) -> list[tuple[float, float, float]]:
         """Edges nearer than `radius` (m) to a point: (distance, nx, ny), n the unit vector away from each."""

@@ -47,21 +47,14 @@ class KinematicWorld(SimulatedWorld):
         radius = self.geometry.body_radius
         x, y = pose.x, pose.y
         for _ in range(_PUSHES):
-            gaps = self._plan.gaps(x, y, radius) + self._robot_gaps(x, y, index)
+            gaps = self._plan.gaps(x, y, radius)
+            if self._moving.count > 1:
+                gaps += self._moving.gaps(x, y, radius, index, self._poses, self._movable_poses)
             if not gaps:
                 break
             distance, away_x, away_y = min(gaps)
             x, y = x + (radius - distance) * away_x, y + (radius - distance) * away_y
         return Pose(x, y, pose.heading)
-
-    def _robot_gaps(self, x: float, y: float, index: int) -> list[tuple[float, float, float]]:
-        radius = self.geometry.body_radius
-        found = []
-        for other, there in enumerate(self._poses):
-            distance = math.hypot(x - there.x, y - there.y)
-            if other != index and 0.0 < distance < 2 * radius:
-                found.append((distance - radius, (x - there.x) / distance, (y - there.y) / distance))
-        return found
 
     def _read(self, index: int) -> Pose:
         return self._poses[index]

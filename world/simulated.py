@@ -7,23 +7,25 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from .base import PlacementError, SimulationError, WorldError
-from .camera import Camera
 from .epuck import SimulatedRobot
 from .geometry import Floats, Plan
 from .infrared import InfraredModel
+from .moving import Moving
 from .noise import Noise
-from .rays import Caster, make_caster
 from .robot import CONTROL_PERIOD, EPUCK, Image, Pose, RobotGeometry
-from .scene import Faces
+from .sensing import Sensing
 from .spec import WorldSpec
+from .views import Views
 
 TOUCH = 5e-5
 """The shell counts as touching below this distance (m)."""
 STATE_VERSION = 1
+FAR_AWAY = 1e4
+"""Coordinates (m) beyond which a run is given up, and where nothing can be placed."""
 
 
 class SimulatedWorld(ABC):
@@ -38,10 +40,11 @@ class SimulatedWorld(ABC):
         *,
         seed: int = 0,
         noise: Noise | None = None,
+        sensing: Sensing | None = None,
         geometry: RobotGeometry = EPUCK,
         rays: str = "auto",
     ) -> None:
-        """Builds the world with one robot at each of `starts`.
+        """Prepares sensing and one robot for each of `starts`; bodies are the subclass's.
 
         Raises: PlacementError when a start overlaps something.
         """
@@ -49,22 +52,28 @@ class SimulatedWorld(ABC):
         self.seed = seed
         self.geometry = geometry
         self.noise = noise or Noise()
-        self._rays = rays
         self._plan = Plan(spec.shapes)
         self._infrared = InfraredModel(geometry)
-        self._seen = Plan(spec.shapes, min_height=self._infrared.height)
-        self._camera = Camera(geometry, spec.scenery)
-        self._faces = Faces(spec.shapes)
-        self._caster: Caster | None = None
-        self._brightness = self._camera.brightness(self._faces)
+        lowest = min((shape.height for shape in spec.shapes), default=1.0)
+        self._seen = (
+            self._plan
+            if lowest >= self._infrared.height
+            else Plan(spec.shapes, min_height=self._infrared.height)
+        )
         self._tick = 0
         self._open = True
         self._poses = list(starts)
-        self.robots: list[SimulatedRobot] = [
-            SimulatedRobot(self, index, geometry, self.noise, seed) for index in range(len(starts))
-        ]
+        self._movable_poses = [Pose(item.box.x, item.box.y, item.box.angle) for item in spec.movable]
+        self._moving = Moving(geometry, spec.movable, len(starts))
+        self._views = Views(geometry, spec, self._moving, rays)
         for index, pose in enumerate(starts):
             self._check_place(pose, index, range(index))
+        sensing = sensing or Sensing()
+        self.robots: list[SimulatedRobot] = [
+            SimulatedRobot(self, index, geometry, self.noise, sensing, seed) for index in range(len(starts))
+        ]
+        for robot, pose in zip(self.robots, starts, strict=True):
+            robot.start(0, 0.0, pose)
 
     @property
     def time(self) -> float:
@@ -82,16 +91,20 @@ class SimulatedWorld(ABC):
             raise WorldError(f"world {self.spec.name!r} is closed")
         self._advance([robot.wheel_speeds() for robot in self.robots])
         self._tick += 1
+        self._poses = [self._checked(self._read(index), index) for index in range(len(self.robots))]
         for index, robot in enumerate(self.robots):
-            pose = self._poses[index] = self._checked(self._read(index), index)
-            robot.count_encoders()
+            pose = self._poses[index]
             if self._touching(pose, index):
                 robot.collisions += 1
-            robot.sample(self._tick, self.time, pose)
+            robot.tick(self._tick, self.time, pose)
 
     def true_pose(self, robot: int = 0) -> Pose:
         """See `base.World.true_pose`."""
         return self._poses[robot]
+
+    def movable_pose(self, index: int) -> Pose:
+        """Where a movable box really is: its center and heading (m, rad)."""
+        return self._movable_poses[index]
 
     def collisions(self, robot: int = 0) -> int:
         """See `base.World.collisions`."""
@@ -103,11 +116,10 @@ class SimulatedWorld(ABC):
 
     def place(self, pose: Pose, robot: int = 0) -> None:
         """See `base.World.place`."""
-        others = [index for index in range(len(self.robots)) if index != robot]
-        self._check_place(pose, robot, others)
-        self._put(robot, pose)
+        self._check_place(pose, robot, [index for index in range(len(self.robots)) if index != robot])
         self._poses[robot] = pose
-        self.robots[robot].stop(self._tick, self.time, pose)
+        self._put(robot, pose)
+        self.robots[robot].start(self._tick, self.time, pose)
 
     def state(self) -> dict[str, Any]:
         """See `base.World.state`."""
@@ -117,6 +129,7 @@ class SimulatedWorld(ABC):
             "world": self.spec.digest,
             "tick": self._tick,
             "poses": [[pose.x, pose.y, pose.heading] for pose in self._poses],
+            "movable": [[pose.x, pose.y, pose.heading] for pose in self._movable_poses],
             "robots": [robot.state() for robot in self.robots],
             "bodies": self._bodies(),
         }
@@ -128,8 +141,15 @@ class SimulatedWorld(ABC):
                 raise WorldError(f"this state is of another {key}: {state.get(key)!r}, not {mine!r}")
         if len(state["robots"]) != len(self.robots):
             raise WorldError(f"this state has {len(state['robots'])} robots, the world {len(self.robots)}")
+        try:
+            self._restore(state)
+        except (KeyError, TypeError, IndexError, ValueError) as error:
+            raise WorldError(f"this state of world {self.spec.name!r} is damaged: {error!r}") from None
+
+    def _restore(self, state: Mapping[str, Any]) -> None:
         self._tick = int(state["tick"])
         self._poses = [Pose(*map(float, pose)) for pose in state["poses"]]
+        self._movable_poses = [Pose(*map(float, pose)) for pose in state["movable"]]
         self._restore_bodies(state["bodies"])
         for robot, saved in zip(self.robots, state["robots"], strict=True):
             robot.restore(saved)
@@ -140,52 +160,50 @@ class SimulatedWorld(ABC):
 
     def infrared_values(self, index: int, pose: Pose) -> Floats:
         """Noise-free raw values (8,) of one robot's sensors at a pose."""
-        return self._infrared.values(self._infrared.distances(pose, self._seen))
+        near = self._seen.near_segments(pose.x, pose.y, self._infrared.reach)
+        if self._moving.count > 1:
+            near = self._moving.add_near(near, index, pose, self._poses, self._movable_poses, self._infrared)
+        return self._infrared.read(pose, near)
 
     def infrared_model(self) -> InfraredModel:
         """The response of the infrared sensors."""
         return self._infrared
 
-    def render(self, index: int, width: int, height: int) -> Image:
-        """What one robot's camera sees now, without noise."""
-        if self._caster is None:
-            self._caster = make_caster(self._faces, self._rays)
-        return self._camera.render(self._poses[index], width, height, self._caster, self._brightness)
+    def render(self, index: int, pose: Pose, width: int, height: int) -> Image:
+        """What one robot's camera sees from a pose, without noise."""
+        return self._views.render(index, pose, self._poses, self._movable_poses, width, height)
 
     def _touching(self, pose: Pose, index: int) -> bool:
-        radius = self.geometry.body_radius
-        if self._plan.gaps(pose.x, pose.y, radius + TOUCH):
+        reach = self.geometry.body_radius + TOUCH
+        if self._plan.gaps(pose.x, pose.y, reach):
             return True
-        return any(
-            other != index and pose.distance_to(there) < 2 * radius + TOUCH
-            for other, there in enumerate(self._poses)
-        )
+        if self._moving.count == 1:
+            return False
+        return bool(self._moving.gaps(pose.x, pose.y, reach, index, self._poses, self._movable_poses))
 
     def _checked(self, pose: Pose, index: int) -> Pose:
-        if not (math.isfinite(pose.x) and math.isfinite(pose.y) and math.isfinite(pose.heading)):
-            raise SimulationError(
-                f"robot {index} is at {pose} after {self.time:.3f} s: not finite; the run ends"
-            )
+        if not (abs(pose.x) < FAR_AWAY and abs(pose.y) < FAR_AWAY and math.isfinite(pose.heading)):
+            raise SimulationError(f"robot {index} is at {pose} after {self.time:.3f} s: the run ends")
         return pose
 
-    def _check_place(self, pose: Pose, index: int, others: Sequence[int]) -> None:
-        if not (math.isfinite(pose.x) and math.isfinite(pose.y) and math.isfinite(pose.heading)):
-            raise PlacementError(f"robot {index} cannot start at {pose}: not finite")
+    def _check_place(self, pose: Pose, index: int, others: Iterable[int]) -> None:
+        where = f"robot {index} at ({pose.x:.3f}, {pose.y:.3f}) in world {self.spec.name!r}"
+        if not (abs(pose.x) < FAR_AWAY and abs(pose.y) < FAR_AWAY and math.isfinite(pose.heading)):
+            raise PlacementError(f"{where}: a start must be finite and within {FAR_AWAY:g} m")
         radius = self.geometry.body_radius
-        where = f"({pose.x:.3f}, {pose.y:.3f})"
         gap = self._plan.clearance(pose.x, pose.y)
         if gap < radius:
             raise PlacementError(
-                f"robot {index} at {where} in world {self.spec.name!r} would overlap a wall: "
-                f"its center is {gap:.3f} m from it and needs {radius:.3f} m"
+                f"{where} would overlap a wall: its center is {gap:.3f} m from it and needs {radius:.3f} m"
             )
         for other in others:
             distance = pose.distance_to(self._poses[other])
             if distance < 2 * radius:
                 raise PlacementError(
-                    f"robot {index} at {where} would overlap robot {other}: {distance:.3f} m apart, "
-                    f"{2 * radius:.3f} m needed"
+                    f"{where} would overlap robot {other}: {distance:.3f} m apart, {2 * radius:.3f} m needed"
                 )
+        if self._moving.box_gaps(pose.x, pose.y, radius, self._movable_poses):
+            raise PlacementError(f"{where} would overlap a movable box: it needs {radius:.3f} m")
 
     @abstractmethod
     def _advance(self, speeds: Sequence[tuple[float, float]]) -> None:
