@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..world.robot import STOP, Percept, Robot, WheelCommand
+from ..world.robot import STOP, Image, Percept, Robot, WheelCommand
 from .behavior import Behavior, Context
 from .errors import AgentError, UnknownBehaviorError
 from .events import (
@@ -64,7 +64,7 @@ class Agent:
         self.context = Context(
             geometry=robot.geometry,
             publish=self.bus.publish,
-            look=robot.look,
+            look=self._look,
             rng=np.random.default_rng(seed),
             subscribe=self.bus.subscribe,
         )
@@ -75,7 +75,7 @@ class Agent:
             if behavior.name in self._ports:
                 raise AgentError(f"two behaviors are named {behavior.name!r}: rename or leave out one")
             self._ports[behavior.name] = Port(
-                behavior, self.bus, limits, self._watch, robot.geometry, robot.look, seed
+                behavior, self.bus, limits, self._watch, robot.geometry, self._look, seed
             )
         self._active: list[Port] = []
         self._suspended: set[str] = set()
@@ -286,6 +286,9 @@ class Agent:
         for name in names:
             if not self.is_active(name):
                 self.start(name)
+
+    def _look(self) -> Image:
+        return self.robot.look()
 
     def _port(self, name: str) -> Port:
         try:

@@ -47,3 +47,7 @@ class StepFailedError(AgentError, RuntimeError):
         super().__init__(f"{step}: {reason}")
         self.step = step
         self.reason = reason
+
+
+class RecordingError(AgentError, ValueError):
+    """A file that is no recording, or one that cannot be replayed here."""

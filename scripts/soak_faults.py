@@ -1,8 +1,8 @@
 """Soaks the agent in faulty plugins and counts what must not happen.
 
-Run with `python -m tolman.scripts.soak_faults [TICKS]`. Plugins raise, exit, return NaN and wild speeds, dawdle,
-flood the bus, leak subscriptions and raise in handlers; each is started again after a while. What is counted:
-ticks in which the wheels turned by a stopped plugin's command, collisions at such a command, growth of memory.
+Run with `python -m tolman.scripts.soak_faults [TICKS]`. Plugins raise, exit, return NaN and wild speeds,
+dawdle, flood the bus, leak subscriptions and raise in handlers; each is started again after a while. Counted
+are ticks in which the wheels turned by a stopped plugin's command, collisions then, and growth of memory.
 """
 
 from __future__ import annotations
@@ -175,14 +175,12 @@ def _memory() -> int:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
-
-
 def main() -> None:
     """Prints what was counted."""
     count = soak(int(sys.argv[1]) if len(sys.argv) > 1 else 1_000_000)
     print(f"{count.ticks} ticks in {count.seconds:.0f} s, slowest {count.slowest * 1e3:.1f} ms")
     print(f"faults: {sum(count.faults.values())} {dict(sorted(count.faults.items()))}")
-    print(f"moved by a stopped plugin: {count.moved_after_fault}; collisions then: {count.collisions_by_stopped}")
+    print(f"moved by a stopped plugin: {count.moved_after_fault}, collisions {count.collisions_by_stopped}")
     print(f"collisions in all: {count.collisions}; memory grown by {count.memory} kB")
 
 
