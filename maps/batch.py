@@ -74,8 +74,8 @@ def starting_weights(
 ) -> Floats:
     """(units, dims) weights to begin with.
 
-    pca: a plane through the mean along the two principal components (needs no rng). grid: evenly over the unit
-    square (2-d samples) or the unit interval's diagonal. random: uniform in `start_range`. samples: drawn ones.
+    pca: a plane through the mean along the two principal components (needs no rng). grid: evenly over the
+    unit square, dimensions taking x and y in turn. random: uniform in `start_range`. samples: drawn ones.
 
     Raises: MapError without the rng that random and samples need.
     """
@@ -117,4 +117,4 @@ def _principal(lattice: Lattice, samples: Floats) -> Floats:
         axes = axes[::-1]  # the longer side of the lattice takes the first component
     if len(axes) < 2:
         axes = np.vstack([axes, np.zeros((2 - len(axes), dims))])
-    return center + (place * scale) @ axes
+    return np.asarray(center + (place * scale) @ axes)

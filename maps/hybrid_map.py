@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -15,6 +16,8 @@ from .local_map import LocalMap
 from .meta import MapMeta
 from .planning import shortest_path
 from .storage import CORNERS, KINDS, read_file, write_file
+
+_NUMBERED = re.compile(r"n?\d+")
 
 Side = Literal["right", "left"]
 Kind = Literal["right", "left", "foray"]
@@ -43,9 +46,9 @@ class Arc:
 class HybridMap:
     """Owns `graph`, a networkx MultiDiGraph; arcs are keyed by kind: `right`, `left` or `foray`.
 
-    Node attributes: local_map (LocalMap or None), corner (`concave`, `convex`, `none`), turn (rad, signed turn
-    of the boundary path there when driven in the mapping direction), entry_heading (rad, map frame), name,
-    notes (free JSON). Arc attributes: side, distance (m), variance (m^2), traversals, blocked, notes.
+    Node attributes: local_map (LocalMap or None), corner (`concave`, `convex`, `none`), turn (rad, signed
+    turn of the boundary path there when driven in the mapping direction), entry_heading (rad, map frame),
+    name, notes (free JSON). Arc attributes: side, distance (m), variance (m^2), traversals, blocked, notes.
     networkx algorithms may be run on the graph as it is; to change it, use the methods here.
     """
 
@@ -75,10 +78,8 @@ class HybridMap:
             raise MapError(f"node {number}: unknown corner {corner!r}; known: {', '.join(CORNERS)}")
         _finite(f"node {number}", turn=turn, entry_heading=entry_heading)
         label = f"n{number}" if name is None else name
-        self._check_name(label)
-        label = f"n{number}" if name is None else name
         if name is not None:
-            self._check_name(name)
+            self._check_name(name, number)
         self.graph.add_node(
             number,
             local_map=local_map,
@@ -104,7 +105,7 @@ class HybridMap:
         blocked: bool = False,
         notes: Mapping[str, Any] | None = None,
     ) -> Arc:
-        """Adds the way from start to end and, both ways, the one back with the other side and the same length.
+        """Adds the way from start to end and, both ways, the one back: other side, same length.
 
         Raises: UnknownNodeError; MapError for a bad value or an arc that exists.
         """
@@ -295,7 +296,9 @@ class HybridMap:
         if node not in self.graph:
             raise UnknownNodeError(f"no node {node} in this map; known: {some(self.nodes())}")
 
-    def _check_name(self, name: str, node: int | None = None) -> None:
+    def _check_name(self, name: str, node: int) -> None:
+        if _NUMBERED.fullmatch(name) and name != f"n{node}":
+            raise MapError(f"node {node} cannot be named {name!r}: that means another node's number")
         if not name or len(name) > 200 or not name.isprintable():
             raise MapError(f"a node's name must be 1 to 200 printable characters, not {name[:40]!r}")
         for other, data in self.graph.nodes(data=True):

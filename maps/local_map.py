@@ -1,4 +1,4 @@
-"""The local map of a global node: a metric SOM of its free space and a perceptual SOM of the views around it."""
+"""The local map of a global node: a metric SOM of its free space, a perceptual SOM of the views there."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ PANORAMA_SHAPE = (4, 16, 16)
 class LocalMapConfig:
     """How a local map is built. size: side (m) of the square local space, centered on the node.
 
-    association: how positions are tied to perceptual units, `midpoint` (eq. 3.32, the last sample weighs half)
-    or `mean`. locating: how a position is estimated from a view (see `SOM.locate`).
+    association: how positions are tied to perceptual units, `midpoint` (eq. 3.32: the last sample weighs
+    half) or `mean`. locating: how a position is estimated from a view (see `SOM.locate`).
     """
 
     rows: int = 5
@@ -66,7 +66,7 @@ class LocalEstimate:
 
 @dataclass(frozen=True, slots=True)
 class LocalMapContent:
-    """All that a local map holds, as it is stored. Arrays are read-only; see `LocalMap` for what they mean."""
+    """All that a local map holds, as it is stored. Arrays are read-only; `LocalMap` says what they mean."""
 
     metric: SOM
     hits: Ints

@@ -1,4 +1,4 @@
-"""One writer a map file: an advisory lock on a file beside it, which the system drops when the process dies."""
+"""One writer a map file: an advisory lock on a file beside it, dropped when the process dies."""
 
 from __future__ import annotations
 

@@ -119,7 +119,9 @@ class MapFile:
 
         state: the session's state as bytes or JSON object, so that a resumed run goes on exactly (None keeps
         the one there is). truth: JSON object for the node's row in the section that maps never read.
-        When this returns the node is on disk. Raises: MapError, MapFileError; the file then keeps what it had.
+        When this returns the node is on disk.
+
+        Raises: MapError, MapFileError; the file then keeps what it had.
         """
         arcs = [*hybrid.graph.in_edges(node, keys=True), *hybrid.graph.out_edges(node, keys=True)]
         self.update(hybrid, [node], arcs, state=state, truth=None if truth is None else {node: truth})
@@ -133,7 +135,7 @@ class MapFile:
         state: State = None,
         truth: Mapping[int, Mapping[str, Any]] | None = None,
     ) -> None:
-        """Commits the meta and those nodes and arcs as they are in `hybrid`; ones it no longer has are deleted.
+        """Commits the meta and those nodes and arcs as they are in `hybrid`; those gone from it are deleted.
 
         truth: JSON objects by node; the key -1 (`RUN`) is about the run as a whole.
         Raises: MapError, MapFileError.
@@ -192,6 +194,7 @@ class MapFile:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        """Seals the file, or only closes it when an exception is under way."""
         if kind is None:
             self.seal()
         else:

@@ -18,7 +18,7 @@ from .schedules import OnlineConfig
 def train_online(
     lattice: Lattice, weights: Floats, samples: Floats, config: OnlineConfig, rng: np.random.Generator
 ) -> tuple[Floats, int, bool]:
-    """Trains from (units, dims) weights on (n, dims) samples: new weights, steps done, whether it converged."""
+    """Trains (units, dims) weights on (n, dims) samples: new weights, steps done, whether it converged."""
     count, dims = samples.shape
     if config.order == "sequence":
         order = np.resize(np.arange(count), config.max_steps)
@@ -112,14 +112,14 @@ def _multiply_out(weights: Floats, samples: Floats, gains: Floats, order: Ints) 
     share[:-1] *= kept[1:]
     by_sample = np.zeros((len(samples), weights.shape[0]))
     np.add.at(by_sample, order, share)
-    return kept[0][:, None] * weights + by_sample.T @ samples
+    return np.asarray(kept[0][:, None] * weights + by_sample.T @ samples)
 
 
 def squared_distances(left: Floats, right: Floats) -> Floats:
     """(len(left), len(right)) squared Euclidean distances; exact for few dimensions, expanded for many."""
     if left.shape[1] <= 8:
         difference = left[:, None, :] - right[None, :, :]
-        return np.einsum("ijk,ijk->ij", difference, difference)
+        return np.asarray(np.einsum("ijk,ijk->ij", difference, difference))
     squared = np.einsum("ij,ij->i", left, left)[:, None] + np.einsum("ij,ij->i", right, right)[None, :]
     squared -= 2.0 * (left @ right.T)
-    return np.maximum(squared, 0.0)
+    return np.asarray(np.maximum(squared, 0.0))

@@ -22,8 +22,8 @@ def shortest_path(
 
     leaving(node) yields (next node, length >= 0, edge) for every edge that may be used; heuristic(node) never
     exceeds the true remaining length. Of equally short paths the one found first is taken, so the order in
-    which `leaving` yields decides. Appendix 3's slips are mended: the goal is tested when taken out, `no path`
-    is said only once the open set is empty, and a better way to a node already closed reopens it.
+    which `leaving` yields decides. Appendix 3's slips are mended: the goal is tested when taken out,
+    `no path` is said only once the open set is empty, and a better way to a closed node reopens it.
 
     Raises: NoPathError when the goal cannot be reached.
     """

@@ -202,8 +202,8 @@ class TensorReader:
         with damage(self._path):
             harden(connection)
             found = connection.execute(
-                f"SELECT {columns}, node.hash, tensors.data FROM node LEFT JOIN tensors ON tensors.node = node.id"
-                " WHERE node.id = ?",
+                f"SELECT {columns}, node.hash, tensors.data FROM node"
+                " LEFT JOIN tensors ON tensors.node = node.id WHERE node.id = ?",
                 (node,),
             ).fetchone()
             if found is None or found[-3] is None or found[-1] is None:

@@ -1,4 +1,4 @@
-"""Rows of a map file as plain values, their checksums, and local maps as bytes. docs/format.md specifies it all."""
+"""Rows of a map file as plain values, their checksums, local maps as bytes: see docs/format.md."""
 
 from __future__ import annotations
 
@@ -158,13 +158,12 @@ def unpack_local_map(manifest: str, data: bytes, where: str) -> LocalMapContent:
     try:
         tensors = _slice(about["tensors"], data)
         perceptual = about["perceptual"]
-        rows, cols, topology = about["metric"]
         return LocalMapContent(
-            metric=SOM(rows, cols, topology, tensors["metric"]),
+            metric=_som(about["metric"], tensors["metric"]),
             hits=frozen(tensors["hits"].astype(np.int64)),
             edges=frozen(tensors["edges"].astype(np.int64)),
             entry_heading=_number(about["entry_heading"]),
-            perceptual=None if perceptual is None else SOM(*perceptual, tensors["perceptual"]),
+            perceptual=None if perceptual is None else _som(perceptual, tensors["perceptual"]),
             view_positions=tensors.get("view_positions"),
             view_error=_number(about["view_error"]),
             entry_panorama=tensors.get("entry_panorama"),
@@ -173,6 +172,13 @@ def unpack_local_map(manifest: str, data: bytes, where: str) -> LocalMapContent:
         )
     except (KeyError, TypeError, ValueError) as error:
         raise MapFileDamagedError(f"{where}: the local map is not well-formed: {error}") from None
+
+
+def _som(shape: list[Any], weights: NDArray[Any]) -> SOM:
+    rows, cols, topology = shape
+    if type(rows) is not int or type(cols) is not int:
+        raise ValueError(f"a SOM of {rows!r} x {cols!r} units")
+    return SOM(rows, cols, topology, weights)
 
 
 def _number(value: object) -> float:

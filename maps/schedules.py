@@ -1,8 +1,9 @@
 """How a SOM is trained, as plain data: the thesis's two configurations and our batch default.
 
-Slips of table 4.8/4.9 and how they are read here: the power series runs to T (the table hard-codes 1000 where
-the perceptual T is 500); configuration 2's least rate is the 0.01 that table 4.9 goes on with; sigma(t) shrinks
-by the same power series to 0.3; 'average delta' is the mean length of a unit's move in a step, over one pass.
+Slips of table 4.8/4.9 and how they are read here: the power series runs to T (the table hard-codes 1000
+where the perceptual T is 500); configuration 2's least rate is the 0.01 that table 4.9 goes on with; sigma(t)
+shrinks by the same power series to 0.3; "average delta" is the mean length of a unit's move in a step, over
+one pass.
 """
 
 from __future__ import annotations
@@ -79,8 +80,8 @@ class OnlineConfig:
 class BatchConfig:
     """Batch training: every pass moves each unit to the weighted mean of all samples.
 
-    The Gaussian radius shrinks geometrically from `radius` to `radius_end` in `passes` passes, then stays until
-    the best-matching units repeat, for at most `max_passes` in all.
+    The Gaussian radius shrinks geometrically from `radius` to `radius_end` in `passes` passes, then stays
+    until the best-matching units repeat, for at most `max_passes` in all.
     """
 
     passes: int = 20

@@ -21,14 +21,14 @@ TABLES = {
     ' blocked INTEGER NOT NULL, notes TEXT NOT NULL, hash INTEGER NOT NULL, PRIMARY KEY (start, "end", kind))'
     " STRICT, WITHOUT ROWID",
     "tensors": "CREATE TABLE tensors (node INTEGER NOT NULL PRIMARY KEY, data BLOB NOT NULL) STRICT",
-    "session": "CREATE TABLE session (id INTEGER NOT NULL PRIMARY KEY, codec TEXT NOT NULL, state BLOB NOT NULL,"
+    "session": "CREATE TABLE session (id INTEGER NOT NULL PRIMARY KEY, codec TEXT NOT NULL,"
+    " state BLOB NOT NULL, hash INTEGER NOT NULL) STRICT",
+    "truth": "CREATE TABLE truth (node INTEGER NOT NULL PRIMARY KEY, data TEXT NOT NULL,"
     " hash INTEGER NOT NULL) STRICT",
-    "truth": "CREATE TABLE truth (node INTEGER NOT NULL PRIMARY KEY, data TEXT NOT NULL, hash INTEGER NOT NULL)"
-    " STRICT",
-    "ext": "CREATE TABLE ext (owner TEXT NOT NULL, key TEXT NOT NULL, value TEXT NOT NULL, hash INTEGER NOT NULL,"
-    " PRIMARY KEY (owner, key)) STRICT, WITHOUT ROWID",
-    "digest": "CREATE TABLE digest (name TEXT NOT NULL PRIMARY KEY, rows INTEGER NOT NULL, total INTEGER NOT NULL)"
-    " STRICT, WITHOUT ROWID",
+    "ext": "CREATE TABLE ext (owner TEXT NOT NULL, key TEXT NOT NULL, value TEXT NOT NULL,"
+    " hash INTEGER NOT NULL, PRIMARY KEY (owner, key)) STRICT, WITHOUT ROWID",
+    "digest": "CREATE TABLE digest (name TEXT NOT NULL PRIMARY KEY, rows INTEGER NOT NULL,"
+    " total INTEGER NOT NULL) STRICT, WITHOUT ROWID",
 }
 """Table name -> the exact text that must stand in the file's schema."""
 

@@ -121,7 +121,7 @@ class SOM:
 
     def winners(self, samples: ArrayLike) -> Ints:
         """(n,) the best-matching unit of each sample (eq. 3.20); the lowest index of equals."""
-        return self.transform(samples).argmin(axis=1)
+        return np.asarray(self.transform(samples).argmin(axis=1))
 
     predict = winners
 
@@ -133,7 +133,7 @@ class SOM:
         difference = self.weights - one
         distances = np.sqrt(np.einsum("ij,ij->i", difference, difference))
         order = np.argsort(distances, kind="stable")[:k]
-        return order, distances[order]
+        return order.astype(np.int64), distances[order]
 
     def locate(
         self,
@@ -143,7 +143,7 @@ class SOM:
         k: int = 3,
         width: float | None = None,
     ) -> Floats:
-        """(m,) the value at one sample (dims,), from values (units, m) tied to the units; NaN rows are skipped.
+        """(m,) the value at one sample (dims,), from values (units, m) tied to units; NaN rows are skipped.
 
         best: the value of the best unit that has one (eq. 3.34). nearest: mean of the k best, weighted by
         1/distance. radial: normalized Gaussian radial basis functions of `width` (the units' own spacing when
@@ -159,7 +159,7 @@ class SOM:
         has = np.isin(order, tied)
         order, distances = order[has], distances[has]
         if method == "best":
-            return table[order[0]]
+            return np.asarray(table[order[0]])
         if method == "nearest":
             share = 1.0 / np.maximum(distances[:k], 1e-12)
             return np.asarray(share @ table[order[:k]] / share.sum())
@@ -196,7 +196,7 @@ class SOM:
         return np.bincount(self.winners(samples), minlength=self.units)
 
     def kept_edges(self, samples: ArrayLike) -> Ints:
-        """(edges, 2) lattice edges that some sample has as best and second-best unit; smaller first, sorted."""
+        """(edges, 2) lattice edges that some sample has as best and second-best unit; smaller first."""
         if self.units == 1:
             return np.empty((0, 2), dtype=np.int64)
         pairs = np.sort(self._best_pairs(samples), axis=1)

@@ -88,7 +88,10 @@ def check_arc(row: ArcRow) -> None:
 def write_file(
     path: str | os.PathLike[str], meta: MapMeta, graph: nx.MultiDiGraph[int], force: bool = False
 ) -> None:
-    """Writes one sealed file: same content, same bytes. Raises: MapFileExistsError, MapFileError, MapError."""
+    """Writes one sealed file: same content, same bytes.
+
+    Raises: MapFileExistsError, MapFileError, MapError.
+    """
     target = Path(path)
     if target.exists() and not force:
         raise MapFileExistsError(f"{target} exists already; force overwrites it")
@@ -196,8 +199,6 @@ def _refuse_bad_values(nodes: list[NodeRow], arcs: list[ArcRow]) -> None:
     except MapError as error:
         raise MapFileDamagedError(str(error)) from None
     known = {node.id for node in nodes}
-    if len({node.name for node in nodes}) != len(nodes):
-        raise MapFileDamagedError("two nodes have the same name")
     for arc in arcs:
         if arc.start not in known or arc.end not in known:
             raise MapFileDamagedError(
