@@ -158,7 +158,7 @@ DAMAGES: dict[str, Callable[[bytes], bytes]] = {
     "empty": lambda data: b"",
     "text": lambda data: b"this is not a map\n" * 99,
     "cut": lambda data: data[: len(data) // 2],
-    "flipped": lambda data: data[:5000] + bytes([data[5000] ^ 255]) + data[5001:],
+    "altered": lambda data: data.replace(b"concave", b"concavf", 1),
 }
 
 
