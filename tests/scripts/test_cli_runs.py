@@ -129,8 +129,8 @@ def test_an_existing_map_is_not_overwritten(mapped: tuple[Path, Outcome]) -> Non
     assert mapped[0].read_bytes() == before
 
 
-@pytest.mark.parametrize("start", ["0.36,0.2,0", "9,9,0", "0.01,0.5,0"])
-def test_a_start_in_a_wall_or_outside_is_refused(tmp_path: Path, start: str) -> None:
+@pytest.mark.parametrize("start", ["0.36,0.2,0", "0.01,0.5,0", "1e9,0,0"])
+def test_a_start_in_a_wall_or_far_away_is_refused(tmp_path: Path, start: str) -> None:
     refused(tolman("map", "env1", "-o", tmp_path / "m.tolman", "--start", start))
     assert list(tmp_path.iterdir()) == []
 
