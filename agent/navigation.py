@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from ..maps.errors import MapError
@@ -21,9 +22,14 @@ def plan_legs(hybrid_map: HybridMap, start: int, arrival: str, goal: int) -> tup
     arrival: the side of the wall by which the robot came to `start`, which says how it stands there: in the
     entry heading if that is the side the map was made by, else as it arrives from the other direction.
     """
+    return legs_along(hybrid_map, hybrid_map.path(start, goal), arrival)
+
+
+def legs_along(hybrid_map: HybridMap, arcs: Iterable[Arc], arrival: str) -> tuple[Leg, ...]:
+    """These arcs as legs to drive, one after the other. arrival: as for `plan_legs`."""
     legs: list[Leg] = []
     side: str | None = arrival
-    for arc in hybrid_map.path(start, goal):
+    for arc in arcs:
         legs.append(_leg(hybrid_map, arc, side, first=not legs))
         side = arc.side
     return tuple(legs)
@@ -65,18 +71,24 @@ class Navigator:
 
     def go(self, goal: int) -> None:
         """Sets out for a node; the robot ends in its transition pose. Raises: MapError if there is no way."""
+        try:
+            arcs = self.map.path(self.node, goal)
+        except MapError as error:
+            self.legs = []
+            self._end(False, str(error))
+            return
+        self.drive(arcs)
+
+    def drive(self, arcs: Iterable[Arc]) -> None:
+        """Sets out along these arcs, each beginning where the one before ends, to end in the transition pose."""
         self.done = self.reached = False
         self.reason = ""
         self.legs = []
-        try:
-            legs = plan_legs(self.map, self.node, self.arrival, goal)
-        except MapError as error:
-            self._end(False, str(error))
-            return
+        legs = legs_along(self.map, arcs, self.arrival)
         self.planned = legs
         self.path = [self.node, *(leg.target for leg in legs)]
         side = legs[-1].side if legs else self.arrival
-        self.agent.start("go-to-node", GoAlong(legs, self._facing(goal, side)))
+        self.agent.start("go-to-node", GoAlong(legs, self._facing(self.path[-1], side)))
 
     def _facing(self, node: int, side: str) -> float:
         """How far to turn (rad) from how one arrives by `side` to the node's entry heading."""

@@ -263,7 +263,5 @@ class ThesisMapper:
     def _close(self, first: int, pose: Pose) -> None:
         self._add_arc(self.current, first, pose)
         self.current = first
-        self.agent.bus.publish(
-            LoopClosed(time=self.agent.context.time, node=first, met_at=self._met_at)
-        )
+        self.agent.bus.publish(LoopClosed(time=self.agent.context.time, node=first, met_at=self._met_at))
         self.stop("loop closed")

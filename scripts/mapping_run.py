@@ -40,7 +40,7 @@ def map_world(request: MapRequest, progress: Callable[[Progress], None] = lambda
     settings = load_settings(request.config)
     world = make_world(request, request.world, settings, request.start or request.side)
     try:
-        with _open_file(request, world) as file:
+        with open_map_file(request, world) as file:
             run = MappingRun(request, world, file, settings, profile, progress)
             run.drive()
             return run.report()
@@ -48,7 +48,8 @@ def map_world(request: MapRequest, progress: Callable[[Progress], None] = lambda
         world.close()
 
 
-def _open_file(request: MapRequest, world: World) -> MapFile:
+def open_map_file(request: MapRequest, world: World) -> MapFile:
+    """The file that a mapping writes: a new one, or one to go on with. Raises: MapError, SessionError."""
     if request.resume:
         file = MapFile.resume(request.output)
         if file.map.meta.world_digest != world.spec.digest:
