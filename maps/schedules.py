@@ -81,15 +81,17 @@ class BatchConfig:
     """Batch training: every pass moves each unit to the weighted mean of all samples.
 
     The Gaussian radius shrinks geometrically from `radius` to `radius_end` in `passes` passes, then stays
-    until the best-matching units repeat, for at most `max_passes` in all.
+    until the best-matching units repeat, for at most `max_passes` in all. fill: units left without samples then
+    take over samples that share one (see `filling`).
     """
 
     passes: int = 20
     radius: float = 3.0
-    radius_end: float = 0.3
+    radius_end: float = 0.4
     start: Start = "pca"
     start_range: tuple[float, float] = (-0.3, 0.3)
     max_passes: int = 60
+    fill: bool = True
 
     def __post_init__(self) -> None:
         """Checks the numbers. Raises: MapError."""

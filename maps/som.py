@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .batch import starting_weights, train_batch
 from .errors import MapError, NotTrainedError
+from .filling import fill
 from .lattice import Floats, Ints, Lattice, Topology, frozen
 from .online import squared_distances, train_online
 from .schedules import BATCH, Config, OnlineConfig
@@ -110,6 +111,7 @@ class SOM:
             weights, steps, converged = train_online(self.lattice, start, data, config, source)
         else:
             weights, steps, converged = train_batch(self.lattice, start, data, config)
+            weights = fill(self.lattice, weights, data) if config.fill else weights
         self._weights = frozen(np.ascontiguousarray(weights))
         self.training = Training(len(data), steps, converged)
         return self
