@@ -73,9 +73,9 @@ def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_wheel_holds_every_module_and_data_file(wheel: Path) -> None:
     within = set(zipfile.ZipFile(wheel).namelist())
     for folder in FOLDERS:
-        for path in (ROOT / folder).iterdir():
+        for path in [*(ROOT / folder).glob("*"), *(ROOT / "scripts" / "missions").glob("*")]:
             if path.suffix in {".py", ".yaml", ".json"} or path.name == "py.typed":
-                assert f"tolman/{folder}/{path.name}" in within
+                assert f"tolman/{path.relative_to(ROOT)}" in within
     assert not [name for name in within if name.startswith(("tests/", "typings/"))]
 
 
@@ -98,8 +98,8 @@ def test_the_wheel_alone_runs_the_command(installed: Path, tmp_path: Path) -> No
 def test_every_folder_is_installed_and_flat() -> None:
     assert set(PROJECT["tool"]["setuptools"]["packages"]) == {f"tolman.{folder}" for folder in FOLDERS}
     for folder in FOLDERS:
-        nested = [path.name for path in (ROOT / folder).iterdir() if path.is_dir() and any(path.glob("*.py"))]
-        assert nested == [], f"{folder}/ must stay flat: nested packages are missing from the wheel"
+        packages = [path.parent.name for path in (ROOT / folder).glob("*/__init__.py")]
+        assert packages == [], f"{folder}/ must stay flat: nested packages are missing from the wheel"
         assert (ROOT / "typings" / "tolman" / folder).resolve() == ROOT / folder
 
 
