@@ -1,10 +1,20 @@
 """The robot and its surroundings: worlds as data, simulated with DART or kinematically."""
 
 from .arenas import built_in_world, built_in_worlds, find_world
-from .base import PlacementError, SimulationError, UnknownWorldError, World, WorldError, WorldFileError
+from .base import (
+    EngineMissingError,
+    PlacementError,
+    SimulationError,
+    UnknownWorldError,
+    World,
+    WorldError,
+    WorldFileError,
+    WorldWarning,
+)
 from .factory import open_world
 from .noise import PRESETS, Noise
 from .robot import CONTROL_PERIOD, EPUCK, EPUCK2, Image, Percept, Pose, Robot, RobotGeometry, WheelCommand
+from .sensing import Sensing, Timing
 from .spec import WorldSpec
 
 __all__ = [
@@ -12,6 +22,7 @@ __all__ = [
     "EPUCK",
     "EPUCK2",
     "PRESETS",
+    "EngineMissingError",
     "Image",
     "Noise",
     "Percept",
@@ -19,13 +30,16 @@ __all__ = [
     "Pose",
     "Robot",
     "RobotGeometry",
+    "Sensing",
     "SimulationError",
+    "Timing",
     "UnknownWorldError",
     "WheelCommand",
     "World",
     "WorldError",
     "WorldFileError",
     "WorldSpec",
+    "WorldWarning",
     "built_in_world",
     "built_in_worlds",
     "find_world",

@@ -7,7 +7,7 @@ from functools import cache
 from importlib import resources
 from pathlib import Path
 
-from .base import UnknownWorldError, WorldFileError
+from .base import UnknownWorldError, WorldError, WorldFileError
 from .spec import WorldSpec
 
 
@@ -33,20 +33,24 @@ def built_in_world(name: str) -> WorldSpec:
 
 
 def find_world(world: str | Path, scale: float = 1.0) -> WorldSpec:
-    """A world by built-in name, or by the path of a world file.
+    """A world by built-in name, or by path: a world file, a ROS map_server YAML, a maze (.txt) or a .wbt.
+
+    scale: what lengths in a file are multiplied by.
 
     Raises: UnknownWorldError when there is neither; WorldFileError for a file that cannot be read.
     """
     if isinstance(world, str) and world in built_in_worlds():
+        if scale != 1.0:
+            raise WorldError(f"world {world!r} is built in and cannot be scaled (by {scale:g}); files can")
         return built_in_world(world)
     path = Path(world)
     if not path.suffix and not path.exists():
         raise _unknown(str(world))
     if not path.is_file():
         raise WorldFileError(f"{path}: there is no such world file")
-    from .worldfile import load_world
+    from .files import load_file  # here, so that built-in names alone need no readers
 
-    return load_world(path, built_in_world)
+    return load_file(path, built_in_world, scale)
 
 
 def _unknown(name: str) -> UnknownWorldError:

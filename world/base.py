@@ -23,6 +23,10 @@ class WorldFileError(WorldError):
     """A world file that cannot be read; the message names file, line and key."""
 
 
+class WorldWarning(UserWarning):
+    """Something in a file of another program that has no counterpart here and was left out."""
+
+
 class PlacementError(WorldError):
     """A robot cannot stand there: it would overlap a wall or another body, or be outside."""
 

@@ -31,16 +31,18 @@ def open_world(
     geometry: RobotGeometry = EPUCK,
     rays: str = "auto",
     sensing: Sensing | Mapping[str, Any] | None = None,
+    scale: float = 1.0,
 ) -> World:
     """A world ready to step, its first robot at `start`: a pose, a start's name, or None for the first start.
 
     world: a built-in name, the path of a world file, or a description. model: "wheels" or "planar" (DART);
     engine: "dart" or "kinematic". noise: a preset, values, or a mapping of values. sensing: delays and
-    intervals of sensors. rays: "auto", "embree" or "numpy" (see `rays.make_caster`).
+    intervals of sensors. rays: "auto", "embree" or "numpy" (see `rays.make_caster`). scale: what the lengths
+    of a world from a file are multiplied by.
 
     Raises: WorldError and its kinds, one line each: unknown world, model, engine, noise; bad file, start.
     """
-    spec = world if isinstance(world, WorldSpec) else find_world(world)
+    spec = world if isinstance(world, WorldSpec) else find_world(world, scale)
     starts = (_start_pose(spec, start), *spec.robots)
     values = resolve_noise(noise, noise_scale)
     if model not in MODELS:

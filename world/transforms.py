@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+from .base import WorldError
 from .geometry import Plan
 from .robot import Pose, wrap_angle
 from .spec import Box, Cylinder, Point, Polygon, Shape, Start, Surface, WorldSpec
@@ -39,6 +40,46 @@ def mirrored(spec: WorldSpec) -> WorldSpec:
         robots=tuple(_mirror_pose(pose, total) for pose in spec.robots),
         movable=tuple(replace(movable, box=_mirror_box(movable.box, total)) for movable in spec.movable),
     )
+
+
+def scaled(spec: WorldSpec, factor: float) -> WorldSpec:
+    """The world `factor` times as wide and deep; heights stay, and so does what robots are.
+
+    Raises: WorldError unless the factor is within 0.001..1000.
+    """
+    if not 1e-3 <= factor <= 1e3:
+        raise WorldError(f"scale {factor:g} is outside 0.001 to 1000")
+    if factor == 1.0:
+        return spec
+    return replace(
+        spec,
+        shapes=tuple(_scale_shape(shape, factor) for shape in spec.shapes),
+        starts=tuple(replace(start, pose=_scale_pose(start.pose, factor)) for start in spec.starts),
+        robots=tuple(_scale_pose(pose, factor) for pose in spec.robots),
+        movable=tuple(replace(movable, box=_scale_box(movable.box, factor)) for movable in spec.movable),
+    )
+
+
+def _scale_pose(pose: Pose, factor: float) -> Pose:
+    return Pose(pose.x * factor, pose.y * factor, pose.heading)
+
+
+def _scale_box(box: Box, factor: float) -> Box:
+    return replace(
+        box, x=box.x * factor, y=box.y * factor, width=box.width * factor, depth=box.depth * factor
+    )
+
+
+def _scale_shape(shape: Shape, factor: float) -> Shape:
+    if isinstance(shape, Box):
+        return _scale_box(shape, factor)
+    if isinstance(shape, Cylinder):
+        return replace(shape, x=shape.x * factor, y=shape.y * factor, radius=shape.radius * factor)
+    if isinstance(shape, Polygon):
+        return replace(shape, points=tuple((x * factor, y * factor) for x, y in shape.points))
+    (x0, y0), (x1, y1) = shape.start, shape.end
+    ends = (x0 * factor, y0 * factor), (x1 * factor, y1 * factor)
+    return replace(shape, start=ends[0], end=ends[1], thickness=shape.thickness * factor)
 
 
 def _mirror_pose(pose: Pose, total: float) -> Pose:

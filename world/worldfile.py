@@ -27,8 +27,9 @@ from .spec import (
     WorldSpec,
     room_walls,
 )
+from .starts import require_start, with_starts
 from .textures import read_textures
-from .transforms import mirrored, resurfaced
+from .transforms import mirrored, resurfaced, scaled
 from .yamlnodes import Entry, read_text, read_yaml
 
 VERSION = 1
@@ -55,14 +56,15 @@ COLORS: dict[str, Color] = {
 Lookup = Callable[[str], WorldSpec]
 
 
-def load_world(path: Path, lookup: Lookup | None = None) -> WorldSpec:
-    """Reads a world file; its name defaults to the file's.
+def load_world(path: Path, lookup: Lookup | None = None, scale: float = 1.0) -> WorldSpec:
+    """Reads a world file; its name defaults to the file's, and starts are chosen if it names none.
 
-    lookup: finds the world that a `based-on` key names.
+    lookup: finds the world that a `based-on` key names. scale: what lengths are multiplied by.
 
     Raises: WorldFileError naming file, line and key.
     """
-    return parse_world(read_text(path), str(path), path.stem, lookup, path.parent)
+    spec = scaled(parse_world(read_text(path), str(path), path.stem, lookup, path.parent), scale)
+    return spec if spec.starts else require_start(with_starts(spec), str(path))
 
 
 def parse_world(
