@@ -80,7 +80,7 @@ class Navigator:
         self.drive(arcs)
 
     def drive(self, arcs: Iterable[Arc]) -> None:
-        """Sets out along these arcs, each beginning where the one before ends, to end in the transition pose."""
+        """Sets out along arcs, each from where the one before ends; it ends in the transition pose."""
         self.done = self.reached = False
         self.reason = ""
         self.legs = []

@@ -49,10 +49,10 @@ class ThesisPhase(Enum):
 class ThesisMappingConfig:
     """Settings of mapping as published.
 
-    side: of the wall. local_maps: whether to explore around nodes. strategy: "rows", "columns" or "alternate".
-    max_nodes: end after so many, None for no limit. angle (rad), distance (m): algorithm 1's thresholds (table
-    4.1). closing: the loop is closed where the view is nearer to node 0's perceptual SOM than so many times
-    its mean training distance D_a (table 4.17); None: never.
+    side: of the wall. local_maps: whether to explore around nodes. strategy: "rows", "columns" or
+    "alternate". max_nodes: end after so many, None for no limit. angle (rad), distance (m): algorithm 1's
+    thresholds (table 4.1). closing: the loop is closed where the view is nearer to node 0's perceptual SOM
+    than so many times its mean training distance D_a (table 4.17); None: never.
     """
 
     side: str = "right"
@@ -67,8 +67,8 @@ class ThesisMappingConfig:
 class ThesisMapper:
     """Builds a `HybridMap` with an `Agent` that has the behaviors of profile `thesis`.
 
-    build, on_commit, `reason`: as in `mapping.Mapper`. ratios: by node, how far (in D_a) the view taken before
-    its creation was from node 0's perceptual SOM.
+    build, on_commit, `reason`: as in `mapping.Mapper`. ratios: by node, how far (in D_a) the view taken
+    before its creation was from node 0's perceptual SOM.
     """
 
     def __init__(
@@ -76,7 +76,7 @@ class ThesisMapper:
         agent: Agent,
         hybrid_map: HybridMap,
         build: Callable[[LocalSamples, float], LocalMap],
-        config: ThesisMappingConfig = ThesisMappingConfig(),  # noqa: B008  frozen
+        config: ThesisMappingConfig = ThesisMappingConfig(),
         on_commit: Callable[[int, float], None] = lambda node, met_at: None,
     ) -> None:
         """Subscribes to the agent; `begin` starts the drive, `drive_on` goes on after `restore`."""

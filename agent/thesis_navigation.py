@@ -1,7 +1,7 @@
-"""Navigation as published (section 3.5): arcs by side and straight-line distance, position corrected by views.
+"""Navigation as published (section 3.5): arcs by side and straight-line distance, corrected by views.
 
-    turn around if the other side is to be followed -> follow the wall until the straight-line distance is as
-    long as the arc -> (look around, take the best unit's place for one's own, drive to the middle) -> next arc
+    turn around if the other side is to be followed -> follow the wall until the straight-line distance is
+    as long as the arc -> (look around, take the best unit's place for one's own, drive to the middle) -> ...
 
 What the thesis leaves open is settled in decision record 061.
 """
@@ -72,7 +72,7 @@ class ThesisNavigator:
         hybrid_map: HybridMap,
         node: int,
         arrival: str | None = None,
-        config: ThesisNavigationConfig = ThesisNavigationConfig(),  # noqa: B008  frozen
+        config: ThesisNavigationConfig = ThesisNavigationConfig(),
     ) -> None:
         """arrival: the side by which it came; None means that the robot stands in the transition pose."""
         self.agent = agent
