@@ -9,6 +9,7 @@ from typing import Any
 from .guard import describe as describe_fault
 from .mission_runtime import in_order
 from .mission_steps import (
+    As,
     Do,
     Explore,
     ForEachNode,
@@ -96,6 +97,8 @@ class _Walk:
             return "forever" if step.times is None else f"{step.times} times"
         if isinstance(step, Within):
             return f"within {step.seconds:g} s"
+        if isinstance(step, As):
+            return f"with robot {step.robot}"
         if isinstance(step, Race):
             return "race: the first that succeeds"
         if isinstance(step, Together):
@@ -110,7 +113,7 @@ class _Walk:
         if isinstance(step, Race | Together):
             results = [self.body(body, depth) for body in step.bodies]
             return (0, results[0]) if isinstance(step, Race) and results else results
-        if isinstance(step, Repeat | Within):
+        if isinstance(step, Repeat | Within | As):
             return self.body(step.body, depth)
         if isinstance(step, OnFailure):
             result = self.body(step.body, depth)

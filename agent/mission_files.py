@@ -16,6 +16,7 @@ from .codec import known_classes
 from .errors import MissionError
 from .guard import describe
 from .mission_steps import (
+    As,
     Body,
     Do,
     Explore,
@@ -26,6 +27,7 @@ from .mission_steps import (
     Look,
     Nodes,
     OnFailure,
+    Place,
     Race,
     Repeat,
     Save,
@@ -193,6 +195,12 @@ def _within(value: Any, where: str) -> Step:
     return Within(seconds, _one(given.get("steps"), f"{where}.steps"))
 
 
+def _as(value: Any, where: str) -> Step:
+    given = _fields(value, where, "robot", "steps")
+    robot = _needed(given.get("robot"), f"{where}.robot", int, "a robot's number")
+    return As(robot, _one(given.get("steps"), f"{where}.steps"))
+
+
 def _for_each_node(value: Any, where: str) -> Step:
     read_steps(_with_node(value, 0), where)  # so that a fault is found now, not at the first node
     return ForEachNode(_NodeBody(value, where))
@@ -225,6 +233,8 @@ _WORDS: dict[str, Callable[[Any, str], Body]] = {
     "go_to": lambda value, where: GoTo(_needed(value, where, (int, str), "a node's number or name")),
     "save": lambda value, where: Save(_needed(value, where, str, "a file")),
     "load": lambda value, where: Load(_needed(value, where, str, "a file")),
+    "place": lambda value, where: Place(_needed(value, where, (int, str), "a node's number or name")),
+    "as": _as,
     "nodes": lambda value, where: Nodes(),
     "look": lambda value, where: Look(),
     "do": _do,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -21,10 +22,20 @@ class Journal:
     it, is dropped: that step is done again.
     """
 
-    def __init__(self, path: Path | None = None, *, mission: str = "", resume: bool = False) -> None:
-        """`resume`: take over what `path` holds. Raises: MissionError if that is another's or damaged."""
+    def __init__(
+        self,
+        path: Path | None = None,
+        *,
+        mission: str = "",
+        resume: bool = False,
+        before: Callable[[], None] = lambda: None,
+    ) -> None:
+        """`resume`: take over what `path` holds. `before`: called before each line is written.
+
+        Raises: MissionError if it is another mission's or damaged."""
         self._path = path
         self._done: dict[str, tuple[str, Outcome]] = {}
+        self.before = before
         if path is None:
             return
         if resume and path.exists():
@@ -56,6 +67,7 @@ class Journal:
         self._done[path] = (step, outcome)
         if self._path is None:
             return
+        self.before()
         entry = {
             "path": path,
             "step": step,

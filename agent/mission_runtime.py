@@ -12,6 +12,7 @@ from .events import StepEnded, StepStarted
 from .guard import describe as describe_fault
 from .mission_journal import Journal
 from .mission_steps import (
+    As,
     ForEachNode,
     Nodes,
     OnFailure,
@@ -46,6 +47,9 @@ class Runtime:
         """The task of a body that is not done yet."""
         if isinstance(body, Race | Together):
             return _Group(body, path, self)
+        if isinstance(body, As):
+            agent, site = self.site.robot(body.robot)
+            return Runtime(agent, site, self.journal).begin(body.body, f"{path}.1")
         if isinstance(body, Within):
             return _Limited(body, path, self)
         script = _script(body)
@@ -136,6 +140,11 @@ class Thread:
         except Exception as fault:
             self._generator.close()
             return Outcome(False, reason=describe_fault(fault))
+
+    @property
+    def doing(self) -> str:
+        """The step under way, in words."""
+        return "" if self._yielded is None else describe(self._yielded)
 
     def _resume(self, outcome: Outcome) -> Any:
         if self._current is None:

@@ -58,6 +58,13 @@ class Load(Step):
 
 
 @dataclass(frozen=True, slots=True)
+class Place(Step):
+    """Have somebody put the robot at a node, in its transition pose, as a simulation can. Result: it."""
+
+    node: int | str
+
+
+@dataclass(frozen=True, slots=True)
 class Nodes(Step):
     """Result: the numbers of the map's nodes, sorted."""
 
@@ -156,6 +163,14 @@ class OnFailure(Step):
     body: Body
     otherwise: Body | None = None
     retries: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class As(Step):
+    """Do something with another of the world's robots; 0 is the first."""
+
+    robot: int
+    body: Body
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 from .agent import Agent
 from .errors import MissionError
 from .events import BehaviorFaulted, BehaviorFinished, Event, Said
-from .mission_steps import Do, Explore, Fail, GoTo, Load, Look, Nodes, Save, Say, Step, Until, Wait
+from .mission_steps import Do, Explore, Fail, GoTo, Load, Look, Nodes, Place, Save, Say, Step, Until, Wait
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +59,12 @@ class Site(Protocol):
     def nodes(self) -> list[int]:
         """The map's nodes, sorted."""
 
+    def place(self, node: int | str) -> int:
+        """Puts the robot at a node and returns its number. Raises: MissionError where nobody can."""
+
+    def robot(self, index: int) -> tuple[Agent, Site]:
+        """Another robot of the same world, and what serves it. Raises: LookupError if there is none."""
+
 
 def begin(step: Step, agent: Agent, site: Site) -> Task:
     """Starts a single step. Raises: MissionError for a step that none of these is."""
@@ -84,6 +90,8 @@ def _at_once(step: Step, agent: Agent, site: Site) -> Outcome:
     if isinstance(step, Load):
         site.load(step.path)
         return Outcome(True, step.path)
+    if isinstance(step, Place):
+        return Outcome(True, site.place(step.node))
     if isinstance(step, Nodes):
         return Outcome(True, site.nodes())
     if isinstance(step, Look):

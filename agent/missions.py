@@ -79,6 +79,11 @@ class MissionRunner:
         """Whether nothing more will happen."""
         return self.status is not Status.RUNNING
 
+    @property
+    def doing(self) -> str:
+        """The step under way, in words."""
+        return self._root.doing
+
     def update(self, percept: Percept, context: Context) -> None:
         """Resumes whatever need not wait any more. Called once a tick by the agent."""
         if self.ended:

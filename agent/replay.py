@@ -150,6 +150,9 @@ class ReplayWorld:
         """Not recorded."""
         return 0
 
+    def place(self, pose: Pose, robot: int = 0) -> None:
+        """Nobody is there to be put anywhere: the percepts tell where it was."""
+
     def state(self) -> Mapping[str, Any]:
         """Nothing of the world is here."""
         return {}

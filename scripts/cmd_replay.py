@@ -19,7 +19,7 @@ def _add_recording(parser: argparse.ArgumentParser) -> None:
 
 
 def _replay(options: argparse.Namespace) -> int:
-    from .recorded_runs import replay  # here: it loads maps and sessions, which `explain` does not need
+    from .replay_run import replay  # here: it loads maps and sessions, which `explain` does not need
 
     with stdout_to_stderr():
         report = replay(options.recording)

@@ -11,12 +11,14 @@ from tolman.agent.events import Event, Lost, MissionEnded, NodeReached, Said, St
 from tolman.agent.maneuvers import Foray
 from tolman.agent.mission_journal import Journal
 from tolman.agent.mission_steps import (
+    As,
     Do,
     Explore,
     ForEachNode,
     GoTo,
     Nodes,
     OnFailure,
+    Place,
     Race,
     Repeat,
     Save,
@@ -78,6 +80,15 @@ class FakeSite:
 
     def nodes(self) -> list[int]:
         return [1, 2, 3]
+
+    def place(self, node: int | str) -> int:
+        self.log.append(f"place {node}")
+        return int(node)
+
+    def robot(self, index: int) -> tuple[Agent, FakeSite]:
+        if index != 1:
+            raise LookupError(f"there is no robot {index}")
+        return Agent(ScriptedRobot(), []), self
 
 
 class Rig:
@@ -172,6 +183,11 @@ def test_together_waits_for_all_and_the_first_failure_ends_it() -> None:
     rig = run(Together(GoTo(13), GoTo(9)))
     assert rig.runner.status is Status.FAILED
     assert rig.site.jobs[1].cancelled
+
+
+def test_another_robot_does_its_part() -> None:
+    assert run(As(1, (Place(3), GoTo(4)))).site.log == ["place 3", "go to 4"]
+    assert "there is no robot 7" in run(As(7, GoTo(1))).runner.reason
 
 
 def test_repeat_for_each_node_and_nested_scripts() -> None:

@@ -1,0 +1,61 @@
+"""Records a session: what happens, and how the session is made again."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from ..agent import Agent
+from ..agent.recording import Recorder
+from ..world import World
+from .wiring import load_settings
+
+
+@contextlib.contextmanager
+def recorded(
+    path: Path | None,
+    kind: str,
+    request: Any,
+    agent: Agent,
+    world: World,
+    attachments: Mapping[str, bytes] | None = None,
+) -> Iterator[None]:
+    """Records what happens inside to `path`; does nothing for None.
+
+    kind: "map", "go" or "mission". request: the session's, with all that makes it again. To be entered when
+    the agent is made and nothing is started yet.
+    """
+    if path is None:
+        yield
+        return
+    header = {
+        "kind": kind,
+        "request": plain_request(request),
+        "settings": load_settings(request.config),
+        "seed": request.seed,
+        "world": world.spec.name,
+        "world_digest": world.spec.digest,
+        "robots": len(world.robots),
+        "geometry": agent.robot.geometry.name,
+        "version": version("tolman"),
+    }
+    recorder = Recorder(path, agent, header, world.true_pose, attachments)
+    try:
+        yield
+    finally:
+        recorder.close()
+
+
+def plain_request(request: Any) -> dict[str, Any]:
+    """A request as JSON values: paths as text but for outputs, which a replay does not write."""
+    values = asdict(request)
+    for name, value in values.items():
+        if isinstance(value, Path):
+            values[name] = str(value)
+        elif isinstance(value, tuple):
+            values[name] = [str(item) for item in value]
+    return values

@@ -1,0 +1,115 @@
+"""Replays recorded sessions: makes the session again and runs it on the recorded percepts and images."""
+
+from __future__ import annotations
+
+import contextlib
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+from ..agent.errors import RecordingError
+from ..agent.mission_journal import Journal
+from ..agent.missions import Mission
+from ..agent.recording import Recording, read_recording
+from ..agent.replay import Difference, ReplayEnded, ReplayWorld
+from ..world import World
+from ..world.arenas import find_world
+from .mapping_run import MappingRun, open_map_file
+from .mission_requests import MissionRequest
+from .mission_session import MissionSession
+from .profiles import find_profile
+from .record_run import recorded
+from .requests import MapReport, MapRequest, Progress
+from .wiring import load_settings, make_world
+
+
+def _silent(progress: Progress) -> None:
+    """Tells nobody."""
+
+
+def record_mapping(request: MapRequest, path: Path) -> MapReport:
+    """Maps a world as `map_world` does, and records the run. Returns the mapping's report."""
+    settings = load_settings(request.config)
+    world = make_world(request, request.world, settings, request.start or request.side)
+    try:
+        with open_map_file(request, world) as file:
+            run = MappingRun(request, world, file, settings, find_profile(request.profile), _silent)
+            with recorded(path, "map", request, run.agent, world):
+                run.drive()
+            return run.report()
+    finally:
+        world.close()
+
+
+@dataclass(frozen=True, slots=True)
+class ReplayReport:
+    """What a replay found. ticks: how many were the same, of `recorded` ones."""
+
+    kind: str
+    ticks: int
+    recorded: int
+    difference: Difference | None
+
+    @property
+    def identical(self) -> bool:
+        """Whether every recorded tick was replayed to the bit."""
+        return self.difference is None and self.ticks >= self.recorded
+
+
+def replay(path: Path) -> ReplayReport:
+    """Replays a recorded session. Raises: RecordingError if it cannot be made again here."""
+    recording = read_recording(path)
+    kind = str(recording.header.get("kind"))
+    if kind not in _REPLAYS:
+        raise RecordingError(f"{path}: a recording of kind {kind!r}; known: {', '.join(_REPLAYS)}")
+    name = str(recording.header["request"].get("world") or recording.header.get("world"))
+    spec = find_world(name)
+    if spec.digest != recording.header.get("world_digest"):
+        raise RecordingError(f"{path}: recorded in another {name} than the one known by that name here")
+    world = ReplayWorld(recording, spec)
+    with contextlib.suppress(ReplayEnded), tempfile.TemporaryDirectory() as folder:
+        _REPLAYS[kind](recording, world, Path(folder))
+    complete = sum(tick.command is not None for tick in recording.ticks)
+    return ReplayReport(kind, world.robot.ticks, complete, world.robot.difference)
+
+
+def _replay_mapping(recording: Recording, world: ReplayWorld, folder: Path) -> None:
+    values = _common(dict(recording.header["request"]), MapRequest)
+    values |= {"output": folder / "replayed.tolman", "resume": False, "force": False, "start": None}
+    request = MapRequest(**values)
+    stage = cast(World, world)
+    with open_map_file(request, stage) as file:
+        settings = dict(recording.header["settings"])
+        run = MappingRun(request, stage, file, settings, find_profile(request.profile), _silent)
+        world.robot.watch(run.agent)
+        run.drive()
+        world.step()  # the last tick's events
+
+
+def _replay_mission(recording: Recording, world: ReplayWorld, folder: Path) -> None:
+    if int(recording.header.get("robots", 1)) > 1:
+        raise RecordingError("a mission of several robots cannot be replayed: only the first is recorded")
+    asked = dict(recording.header["request"])
+    script = folder / Path(str(asked["mission"])).name
+    script.write_bytes(recording.attachments["mission"])
+    values = _common(asked, MissionRequest) | {"mission": script, "journal": None, "resume": False}
+    values |= {"map": None, "record": None, "start": None, "force": True}
+    if "map" in recording.attachments:
+        values["map"] = folder / "map.tolman"
+        values["map"].write_bytes(recording.attachments["map"])
+    request = MissionRequest(**values)
+    stage = cast(World, world)
+    session = MissionSession(request, stage, dict(recording.header["settings"]), folder / "saved")
+    world.robot.watch(session.sites[0].agent)
+    session.run(Mission.load(script), Journal(), _silent)
+
+
+def _common(asked: dict[str, Any], kind: type[Any]) -> dict[str, Any]:
+    """The recorded request's values that `kind` has, with paths as such."""
+    values = {name: value for name, value in asked.items() if name in kind.__dataclass_fields__}
+    values["plugins"] = tuple(Path(item) for item in asked.get("plugins", ()))
+    return values | {"config": None}
+
+
+_REPLAYS = {"map": _replay_mapping, "mission": _replay_mission}

@@ -1,0 +1,110 @@
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from tolman.agent.errors import MissionError
+from tolman.maps.hybrid_map import HybridMap
+from tolman.scripts.mission_requests import MissionReport, MissionRequest
+from tolman.scripts.mission_session import run_mission
+from tolman.scripts.replay_run import replay
+
+EXAMPLES = Path(__file__).parents[2] / "scripts" / "missions"
+
+
+@pytest.fixture(scope="module")
+def mapped(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A map of env1, made by a mission."""
+    folder = tmp_path_factory.mktemp("mapped")
+    mission = folder / "map.yaml"
+    mission.write_text(f"steps: [explore, save: {folder}/env1.tolman]")
+    assert request(mission, world="env1").status == "done"
+    return folder / "env1.tolman"
+
+
+def request(mission: Path, **options: object) -> MissionReport:
+    settings = {"engine": "kinematic", "global_only": True, "noise": "encoder"} | options
+    return run_mission(MissionRequest(mission=mission, **settings))  # type: ignore[arg-type]
+
+
+def write(folder: Path, text: str, name: str = "mission.yaml") -> Path:
+    path = folder / name
+    path.write_text(text)
+    return path
+
+
+def test_map_and_return(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    report = request(EXAMPLES / "map_and_return.yaml", world="env1")
+    assert (report.status, report.reason) == ("done", "")
+    assert HybridMap.load(tmp_path / "returned.tolman").meta.current_node == 0
+
+
+def test_a_patrol_visits_every_node_of_a_saved_map_twice(mapped: Path) -> None:
+    report = request(EXAMPLES / "patrol.py", map=mapped)
+    assert report.status == "done"
+    assert report.steps_done == 2 * len(HybridMap.load(mapped).nodes()) + 5
+
+
+def test_a_mission_with_a_failing_step_does_what_it_says(mapped: Path, tmp_path: Path) -> None:
+    path = write(tmp_path, "steps: [on_failure: {do: {go_to: 77}, otherwise: {go_to: 3}}]")
+    assert request(path, map=mapped).status == "done"
+    path = write(tmp_path, f"steps: [go_to: 77, save: {tmp_path}/never.tolman]")
+    report = request(path, map=mapped)
+    assert report.status == "failed"
+    assert "77" in report.reason
+    assert not (tmp_path / "never.tolman").exists()
+
+
+def test_a_mission_without_a_map_cannot_go_anywhere(tmp_path: Path) -> None:
+    report = request(write(tmp_path, "steps: [go_to: 1]"), world="env1")
+    assert "there is no map yet: explore, or load one" in report.reason
+
+
+def test_a_cancelled_trip_leaves_the_robot_unsure_where_it_is(mapped: Path, tmp_path: Path) -> None:
+    report = request(write(tmp_path, "steps: [race: [go_to: 5, wait: 1], go_to: 5]"), map=mapped)
+    assert "the robot does not know where it is: it was stopped between two nodes" in report.reason
+
+
+def test_time_that_is_over_cancels_a_mission(mapped: Path, tmp_path: Path) -> None:
+    report = request(write(tmp_path, "steps: [wait: 100]"), map=mapped, max_time=2.0)
+    assert (report.status, report.reason) == ("cancelled", "not done within 2 s")
+    assert report.sim_time_s == pytest.approx(2.0, abs=0.1)
+
+
+def test_a_mission_goes_on_after_a_restart_where_it_was(mapped: Path, tmp_path: Path) -> None:
+    path = write(tmp_path, "steps: [go_to: 3, go_to: 7, go_to: 0]")
+    whole = request(path, map=mapped)
+    journal = tmp_path / "journal"
+    cut = MissionRequest(
+        mission=path,
+        map=mapped,
+        engine="kinematic",
+        noise="encoder",
+        journal=journal,
+        max_time=whole.sim_time_s * 0.6,
+    )
+    assert run_mission(cut).status == "cancelled"
+    done = [json.loads(line) for line in journal.read_text().splitlines()[1:]]
+    assert 1 <= len(done) < 3
+    report = run_mission(replace(cut, max_time=None, resume=True))
+    assert (report.status, report.steps_done) == ("done", 3)
+    assert report.sim_time_s < 1.7 * whole.sim_time_s
+
+
+def test_a_mission_needs_a_world(tmp_path: Path) -> None:
+    with pytest.raises(MissionError, match="say in which world the mission runs"):
+        request(write(tmp_path, "steps: [nodes]"))
+
+
+def test_a_recorded_mission_replays_to_the_bit_and_writes_nothing(mapped: Path, tmp_path: Path) -> None:
+    path = write(tmp_path, f"steps: [go_to: 2, look, save: {tmp_path}/there.tolman, go_to: 0]")
+    recording = tmp_path / "run.mcap"
+    assert request(path, map=mapped, record=recording).status == "done"
+    (tmp_path / "there.tolman").unlink()
+    path.unlink()
+    report = replay(recording)
+    assert (report.identical, report.difference) == (True, None)
+    assert not (tmp_path / "there.tolman").exists()
