@@ -90,7 +90,8 @@ def _parse_png(data: bytes, source: str) -> Gray:
     pillow: Any = importlib.import_module("PIL.Image")
     try:
         with pillow.open(io.BytesIO(data), formats=["PNG"]) as image:
-            _check_pixels(*image.size, source)
+            width, height = image.size
+            _check_pixels(width, height, source)
             gray = image if image.mode in ("I;16", "I") else image.convert("L")
             top = 65535.0 if gray.mode in ("I;16", "I") else 255.0
             values: Gray = np.asarray(gray, dtype=np.float64) / top

@@ -48,8 +48,10 @@ class DartWorld(SimulatedWorld):
         self._boxes = [
             MovableBody(f"movable-{index}", movable) for index, movable in enumerate(self.spec.movable)
         ]
-        for body in (*self._robots, *self._boxes):
-            self._world.addSkeleton(body.skeleton)
+        self._skeletons: list[Any] = [robot.skeleton for robot in self._robots]
+        self._skeletons += [box.skeleton for box in self._boxes]
+        for skeleton in self._skeletons:
+            self._world.addSkeleton(skeleton)
         for robot, pose in zip(self._robots, self._poses, strict=True):
             robot.put(pose.x, pose.y, pose.heading)
         self._nearby = Nearby(self._world, self.spec.shapes, [movable.box for movable in self.spec.movable])
@@ -90,15 +92,15 @@ class DartWorld(SimulatedWorld):
         self._nearby.follow(self._places())
 
     def _bodies(self) -> Any:
-        skeletons = [body.skeleton for body in (*self._robots, *self._boxes)]
         return {
             "near": self._nearby.anchors,
-            "bodies": [[body.getPositions().tolist(), body.getVelocities().tolist()] for body in skeletons],
+            "bodies": [
+                [body.getPositions().tolist(), body.getVelocities().tolist()] for body in self._skeletons
+            ],
         }
 
     def _restore_bodies(self, bodies: Any) -> None:
-        skeletons = [body.skeleton for body in (*self._robots, *self._boxes)]
-        for skeleton, (positions, velocities) in zip(skeletons, bodies["bodies"], strict=True):
+        for skeleton, (positions, velocities) in zip(self._skeletons, bodies["bodies"], strict=True):
             skeleton.setPositions(positions)
             skeleton.setVelocities(velocities)
         self._nearby.gather([(float(x), float(y)) for x, y in bodies["near"]])
@@ -107,7 +109,7 @@ class DartWorld(SimulatedWorld):
     def close(self) -> None:
         """Drops the DART world."""
         super().close()
-        self._robots, self._boxes = [], []
+        self._robots, self._boxes, self._skeletons = [], [], []
         self._world = None
 
 

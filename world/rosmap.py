@@ -23,6 +23,8 @@ KEYS = ("image", "mode", "resolution", "origin", "negate", "occupied_thresh", "f
 MODES = ("trinary", "scale", "raw")
 RIM = 2
 """Cells around the free area that are kept solid."""
+UNKNOWN = 205
+"""Gray value (of 255) that map savers write for cells never seen."""
 MAX_BOXES = 200_000
 Mask = NDArray[np.bool_]
 
@@ -51,9 +53,7 @@ def parse_ros_map(text: str, source: str, folder: Path, name: str, scale: float 
     occupied_above = keys["occupied_thresh"].number(0.0, 1.0) if "occupied_thresh" in keys else 0.65
     free_below = keys["free_thresh"].number(0.0, 1.0) if "free_thresh" in keys else 0.196
     if free_below > occupied_above:
-        raise keys.get("free_thresh", document).error(
-            f"{free_below:g} is above occupied_thresh {occupied_above:g}"
-        )
+        raise keys.get("free_thresh", document).error(f"{free_below:g} is above occupied_thresh")
     free = free_cells(image, mode, occupied_above, free_below, _negate(keys))
     area = largest_area(free)
     if not area.any():
@@ -70,7 +70,8 @@ def _negate(keys: dict[str, Entry]) -> bool:
 def free_cells(image: Gray, mode: str, occupied_above: float, free_below: float, negate: bool) -> Mask:
     """Which cells (rows, columns), row 0 on top, are known to be free.
 
-    trinary: those whose occupancy is below `free_below`. scale: also those in between whose share of the way
+    trinary: those whose occupancy is below `free_below`, but not those of the gray that map savers write for
+    unknown: it lies between the old default threshold (0.196) and the new one (0.25). scale: also those in between whose share of the way
     to `occupied_above` is under a half. raw: those whose value, in percent, is below `free_below`.
     """
     if mode == "raw":
@@ -79,7 +80,9 @@ def free_cells(image: Gray, mode: str, occupied_above: float, free_below: float,
     occupancy = image if negate else 1.0 - image
     if mode == "scale" and occupied_above > free_below:
         return (occupancy - free_below) / (occupied_above - free_below) < 0.5
-    return occupancy < free_below
+    free = occupancy < free_below
+    unknown = np.round(image * 255.0) == UNKNOWN
+    return free & ~unknown if (free & ~unknown).any() else free
 
 
 def largest_area(free: Mask) -> Mask:
@@ -121,17 +124,14 @@ def _runs(row: Mask) -> list[tuple[int, int]]:
 
 
 def merge_cells(solid: Mask) -> list[tuple[int, int, int, int]]:
-    """Rectangles (row, column, rows, columns) that cover the solid cells, each cell once: equal runs joined."""
+    """Rectangles (row, column, rows, columns) that cover the solid cells once: equal runs joined."""
     done: list[tuple[int, int, int, int]] = []
     growing: dict[tuple[int, int], int] = {}
     for row in range(len(solid) + 1):
         runs = _runs(solid[row]) if row < len(solid) else []
         following = {run: growing.get(run, row) for run in runs}
-        done += [
-            (top, begin, row - top, end - begin)
-            for (begin, end), top in growing.items()
-            if (begin, end) not in following
-        ]
+        ended = [(run, top) for run, top in growing.items() if run not in following]
+        done += [(top, begin, row - top, end - begin) for (begin, end), top in ended]
         growing = following
     return done
 

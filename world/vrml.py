@@ -160,7 +160,7 @@ def parse_nodes(text: str, source: str) -> list[Node]:
     reader = _Reader(text, source)
     nodes = []
     while reader.peek()[0] != "end":
-        kind, content, line = reader.peek()
+        _, content, line = reader.peek()
         if content in ("EXTERNPROTO", "IMPORTABLE"):
             reader.take()
             if reader.peek()[0] == "string":

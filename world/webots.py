@@ -16,8 +16,10 @@ from .transforms import scaled
 from .vrml import Node, parse_nodes
 from .yamlnodes import read_text
 
-SILENT = ("WorldInfo", "Viewpoint", "Background", "TexturedBackground", "TexturedBackgroundLight", "DirectionalLight",
-          "PointLight", "SpotLight", "Fog", "Floor", "UnevenTerrain")  # fmt: skip
+SILENT = (
+    *("WorldInfo", "Viewpoint", "Background", "TexturedBackground", "TexturedBackgroundLight"),
+    *("DirectionalLight", "PointLight", "SpotLight", "Fog", "Floor"),
+)
 BOXES = {"WoodenBox": 0.6, "CardboardBox": 0.6, "SolidBox": 1.0, "PlasticCrate": 0.6, "MetalStorageBox": 0.6}
 """Box-like nodes and the side (m) each has when none is given."""
 GROUPS = ("Solid", "Pose", "Transform", "Group")
@@ -50,9 +52,8 @@ def parse_webots(text: str, source: str, name: str, scale: float = 1.0) -> World
     collected.warn()
     if not collected.shapes:
         raise WorldFileError(f"{source}: no arena, box, cylinder or wall in this world")
-    spec = WorldSpec(
-        name, tuple(collected.shapes), description=f"imported from the Webots world {Path(source).name}"
-    )
+    about = f"imported from the Webots world {Path(source).name}"
+    spec = WorldSpec(name, tuple(collected.shapes), description=about)
     spec = scaled(spec, scale)
     poses = [replace(pose, x=pose.x * scale, y=pose.y * scale) for pose in collected.robots]
     fitting = _fitting(spec, poses)
@@ -144,9 +145,7 @@ class _Collector:
 
     def _cylinder(self, place: Place, radius: float, height: float) -> None:
         if min(radius, height) < 1e-4:
-            raise WorldFileError(
-                f"{self.source}: a cylinder of radius {radius:g}, height {height:g} m is none"
-            )
+            raise WorldFileError(f"{self.source}: no cylinder has radius {radius:g} and height {height:g} m")
         x, y, z, _ = place
         if self._touches_floor(z - height / 2, z + height / 2, "cylinder"):
             self.shapes.append(Cylinder(x, y, radius, z + height / 2))
@@ -171,9 +170,8 @@ def _placed(node: Node, at: Place) -> Place | None:
     x, y, z = node.numbers("translation", (0.0, 0.0, 0.0))
     axis_x, axis_y, axis_z, angle = node.numbers("rotation", (0.0, 0.0, 1.0, 0.0))
     length = math.sqrt(axis_x**2 + axis_y**2 + axis_z**2)
-    if abs(math.remainder(angle, math.tau)) > 1e-3 and (
-        length == 0 or math.hypot(axis_x, axis_y) / length > 1e-3
-    ):
+    upright = length > 0 and math.hypot(axis_x, axis_y) / length < 1e-3
+    if not upright and abs(math.remainder(angle, math.tau)) > 1e-3:
         return None
     moved = _moved(at, x, y, z)
     return (*moved[:3], moved[3] + math.copysign(angle, angle * axis_z if axis_z else angle))
