@@ -103,6 +103,7 @@ def _replay_mission(recording: Recording, world: ReplayWorld, folder: Path) -> N
     session = MissionSession(request, stage, dict(recording.header["settings"]), folder / "saved")
     world.robot.watch(session.sites[0].agent)
     session.run(Mission.load(script), Journal(), _silent)
+    world.step()  # the last tick's events
 
 
 def _common(asked: dict[str, Any], kind: type[Any]) -> dict[str, Any]:
