@@ -15,9 +15,12 @@ from ..agent.behavior import Behavior, Context, Proposal, Transition
 from ..agent.events import CornerReached, Event
 from ..agent.goals import Follow, FollowFrom, ReturnToCorner
 from ..agent.motion import drive_command, is_free, obstacles, spin_command
-from ..agent.surroundings import SideView
+from ..agent.surroundings import SideView, WallFilter
 from ..world.robot import STOP, Percept, WheelCommand
 from .wall_following import WallFollowing
+
+_CORNER = 0.008
+"""A hit of the diagonal sensor this near (m) to the wall ahead may be on it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,8 +77,9 @@ class PositionCorrection(Behavior):
         self._remaining = 0.0
         self._backed = 0.0
         self._path = 0.0
-        self._follower = WallFollowing()
+        self._follower = WallFollowing(angle_gain=3.0, distance_gain=60.0)
         self._follower.emit = self._hear  # type: ignore[method-assign]
+        self._wall = WallFilter(self._follower.config.distance, 0.0, 0.03)
         self._heard: CornerReached | None = None
 
     def on_start(self, goal: Any, context: Context) -> None:
@@ -104,7 +108,7 @@ class PositionCorrection(Behavior):
         """Stands and averages the direction of the wall at the side, if it sees one."""
         assert self._view is not None
         again = self.state is Correcting.MEASURE_AGAIN
-        wall = self._view.side_wall()
+        wall = self._side_wall(self._view)
         self._ticks += 1
         hidden = not again and self._goal is not None and self._goal.kind == "convex"
         if wall is not None and not hidden and abs(wall[1]) < math.radians(25.0):
@@ -123,6 +127,15 @@ class PositionCorrection(Behavior):
             self.fire("measured" if seen else "back")
         return STOP
 
+    def _side_wall(self, view: SideView) -> tuple[float, float] | None:
+        """The wall at the side; None where the diagonal sensor hits the wall ahead, as in a corner."""
+        wall, front = view.side_wall(), view.front_wall()
+        if wall is None or front is None:
+            return wall
+        geometry = view.geometry
+        ahead = (geometry.body_radius + view.diagonal) * math.cos(geometry.infrared_angles[1])
+        return wall if ahead < front[0] - _CORNER else None
+
     def _turn(self, context: Context) -> WheelCommand:
         self._remaining -= context.turn
         if abs(self._remaining) > 0.004:
@@ -135,15 +148,23 @@ class PositionCorrection(Behavior):
         return STOP
 
     def _back(self, percept: Percept, context: Context) -> WheelCommand:
+        """Backwards along the wall, keeping its distance where it is seen and the heading where it is not."""
         assert self._goal is not None
+        assert self._view is not None
+        geometry, view, wall = context.geometry, self._view, self._wall
         self._backed -= context.distance
-        distance = min(self.config.back_off, self._goal.room)
-        if self._backed >= distance or not is_free(
-            obstacles(percept, context.geometry), context.geometry, -0.01, self.config.margin
-        ):
+        wall.predict(context.distance, context.turn * view.sign)
+        line = self._side_wall(view)
+        if line is not None:
+            wall.correct(line)
+        room = min(self.config.back_off, self._goal.room)
+        blocked = not is_free(obstacles(percept, geometry), geometry, -0.01, self.config.margin)
+        if self._backed >= room or blocked:
             self.fire("far_enough")
             return STOP
-        return drive_command(context.geometry, -self.config.speed, 0.0)
+        slant = max(-0.2, min(0.2, 6.0 * (wall.distance - self._follower.config.distance)))
+        turn_rate = 3.0 * max(-0.3, min(0.3, slant - wall.angle))
+        return drive_command(geometry, -self.config.speed, turn_rate * view.sign)
 
     def _begin_follow(self, context: Context) -> None:
         assert self._goal is not None
