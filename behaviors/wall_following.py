@@ -85,6 +85,7 @@ class WallFollowing(Behavior):
         self._leg = 0.0
         self._misses = 0
         self._remaining = 0.0
+        self._turned = 0.0
         self._settled = False
         self._front: list[float] = []
 
@@ -217,14 +218,23 @@ class WallFollowing(Behavior):
 
     def _turn(self, turned: float, view: SideView) -> WheelCommand:
         self._remaining -= turned
-        if abs(self._remaining) > 0.004:
+        self._turned += turned
+        if abs(self._remaining) > 0.004 and not self._parallel_already(view):
             return self._spin(self._remaining)
+        self._turned = 0.0
         self._leg = 0.0
         self._misses = 0
         self._front.clear()
         self._filter = WallFilter(self.config.distance, 0.0, 0.05)
         self.fire("turned" if self.state is Following.CONVEX else "found_wall")
         return STOP
+
+    def _parallel_already(self, view: SideView) -> bool:
+        """Whether, turning away from a wall ahead, it is at the side long before expected: it stood askew."""
+        if self.state is not Following.CONCAVE or self._turned < 0.3 or self._remaining < 0.25:
+            return False
+        wall = view.side_wall()
+        return wall is not None and wall[1] > -0.02 and wall[0] < self.config.distance + 0.015
 
     # --- parts of states -----------------------------------------------------------------------------
 
