@@ -100,6 +100,17 @@ def add_force(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--force", action="store_true", help="replace an existing output file")
 
 
+def add_scale(parser: argparse.ArgumentParser) -> None:
+    """Adds --scale."""
+    parser.add_argument(
+        "--scale",
+        type=number(0, strictly=True),
+        default=1.0,
+        metavar="X",
+        help="multiply the lengths of a world from a file: many ROS maps are too large for an e-puck",
+    )
+
+
 def add_simulation(parser: argparse.ArgumentParser) -> None:
     """Adds the options common to every command that simulates."""
     group = parser.add_argument_group("simulation")

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from .cli_command import Command
-from .cli_options import add_simulation, node, pose
+from .cli_options import add_scale, add_simulation, node, pose
 from .cli_output import ProgressLine, check_input, print_json, stdout_to_stderr
 
 DESCRIPTION = """Loads a map and drives to one of its nodes. Without --from, --at or --lost the robot
@@ -32,6 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--world", metavar="WORLD", help="drive in this world instead of the one the map was made in"
     )
+    add_scale(parser)
     parser.add_argument("--learn", action="store_true", help="let the map learn from the trip")
     add_simulation(parser)
 
@@ -58,6 +59,7 @@ def run(options: argparse.Namespace) -> int:
         model=options.robot_model,
         config=options.config,
         plugins=tuple(options.plugins),
+        scale=options.scale,
     )
     line = ProgressLine()
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .cli_command import Command
-from .cli_options import add_force, add_simulation, integer, number, one_of, picture, pose
+from .cli_options import add_force, add_scale, add_simulation, integer, number, one_of, picture, pose
 from .cli_output import ProgressLine, check_input, check_output, print_json, stdout_to_stderr
 
 if TYPE_CHECKING:
@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 DESCRIPTION = """Explores a world that the robot does not know by following its walls, builds the hybrid map
 and saves it as it goes. The mapping ends when the robot is back where it began and knows it.
 
-WORLD is the name of a built-in world (see `tolman worlds`), a world's YAML file, or a ROS map's."""
+WORLD is the name of a built-in world (see `tolman worlds`) or a file: a world's YAML, a ROS map's
+YAML, a maze drawn in text (.txt) or a Webots world (.wbt)."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -50,6 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="X,Y,HEADING",
         help="where to begin (m, m, degrees; heading counter-clockwise from the x axis)",
     )
+    add_scale(parser)
     parser.add_argument("--resume", action="store_true", help="go on from the last node saved in FILE")
     add_force(parser)
     parser.add_argument(
@@ -96,6 +98,7 @@ def run(options: argparse.Namespace) -> int:
         model=options.robot_model,
         config=options.config,
         plugins=tuple(options.plugins),
+        scale=options.scale,
     )
     line = ProgressLine()
 
@@ -108,7 +111,7 @@ def run(options: argparse.Namespace) -> int:
         if options.figure is not None:
             from .map_drawing import plot_map
 
-            plot_map(options.output, options.figure, options.world)
+            plot_map(options.output, options.figure, options.world, options.scale)
     return tell(report, options)
 
 

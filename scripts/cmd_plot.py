@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from .cli_command import Command
-from .cli_options import picture
+from .cli_options import add_scale, picture
 from .cli_output import check_input, check_output
 
 DESCRIPTION = """Draws a map: nodes, arcs and metric SOMs, and, where the file tells (maps made in simulation
@@ -27,6 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--world", metavar="WORLD", help="draw the walls of this world, for a map made in a world file"
     )
+    add_scale(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -35,7 +36,7 @@ def run(options: argparse.Namespace) -> int:
     check_output(options.output, replace=True)
     from .map_drawing import plot_map
 
-    plot_map(options.map, options.output, options.world)
+    plot_map(options.map, options.output, options.world, options.scale)
     print(f"{options.output}: drawn")
     return 0
 

@@ -78,13 +78,15 @@ def lattice_of(local_map: LocalMap) -> Lattice:
     return Lattice(weights[:, :2], edges, np.asarray(local_map.hits) > 0)
 
 
-def walls_of(hybrid: HybridMap, world: str | None) -> tuple[Shape, ...]:
+def walls_of(hybrid: HybridMap, world: str | None, scale: float = 1.0) -> tuple[Shape, ...]:
     """The walls of the world the map was made in, or none if it cannot be found.
 
-    world: name or file to draw instead of the one the map names. Raises: WorldError if that cannot be read.
+    world: name or file to draw instead of the one the map names; scale: of the file's lengths.
+
+    Raises: WorldError if that cannot be read.
     """
     if world is not None:
-        return find_world(world).shapes
+        return find_world(world, scale).shapes
     try:
         spec = find_world(hybrid.meta.world)
     except WorldError:
@@ -92,7 +94,7 @@ def walls_of(hybrid: HybridMap, world: str | None) -> tuple[Shape, ...]:
     return spec.shapes if spec.digest == hybrid.meta.world_digest else ()
 
 
-def drawing_of(path: Path, world: str | None = None) -> Drawing:
+def drawing_of(path: Path, world: str | None = None, scale: float = 1.0) -> Drawing:
     """What is drawn of a map file.
 
     With a truth section everything stands where it truly is, walls and driven path included; without, the map
@@ -116,7 +118,7 @@ def drawing_of(path: Path, world: str | None = None) -> Drawing:
         nodes=poses,
         arcs=arcs,
         lattices=lattices,
-        shapes=walls_of(hybrid, world) if known else (),
+        shapes=walls_of(hybrid, world, scale) if known else (),
         track=track,
     )
 
@@ -132,6 +134,6 @@ def title(hybrid: HybridMap, *, placed_by_truth: bool) -> str:
     )
 
 
-def plot_map(path: Path, picture: Path, world: str | None = None) -> None:
+def plot_map(path: Path, picture: Path, world: str | None = None, scale: float = 1.0) -> None:
     """Draws a map file to a picture. Raises: MapError, WorldError, OSError."""
-    save_drawing(drawing_of(path, world), picture)
+    save_drawing(drawing_of(path, world, scale), picture)

@@ -28,6 +28,7 @@ class Simulation:
     """What every simulated run is made with.
 
     noise: a preset's name or values. config: a YAML file of settings. plugins: folders of behaviors.
+    scale: what the lengths of a world from a file are multiplied by.
     """
 
     seed: int = 0
@@ -38,6 +39,7 @@ class Simulation:
     config: Path | None = None
     plugins: tuple[Path, ...] = ()
     engine: str = "dart"
+    scale: float = 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,8 +9,9 @@ from dataclasses import asdict
 
 from ..maps.hybrid_map import HybridMap
 from ..maps.map_file import Truth, read_truth
+from ..maps.meta import MapMeta
 from ..world import World
-from ..world.arenas import find_world
+from ..world.arenas import built_in_worlds, find_world
 from ..world.robot import Pose, wrap_angle
 from .profiles import AnyNavigator, find_profile, make_navigator
 from .requests import GoReport, GoRequest, Progress, SessionError
@@ -32,15 +33,7 @@ def go_to(request: GoRequest, progress: Callable[[Progress], None] = lambda prog
     hybrid_map = HybridMap.load(request.map)
     truth = read_truth(request.map)
     goal = hybrid_map.find(request.to)
-    world_name = request.world or hybrid_map.meta.world
-    spec = find_world(world_name)
-    if spec.digest != hybrid_map.meta.world_digest and request.world is None:
-        raise SessionError(
-            f"{request.map}: made in another {spec.name} than the one known by that name here; "
-            "name the world with --world"
-        )
-    if spec.digest != hybrid_map.meta.world_digest and spec.name != hybrid_map.meta.world:
-        raise SessionError(f"{request.map}: a map of {hybrid_map.meta.world}, not of {spec.name}")
+    world_name = _world_of(request, hybrid_map.meta)
     start, node, arrival = _start(request, hybrid_map, truth)
     world = make_world(request, world_name, settings, start)
     try:
@@ -49,6 +42,22 @@ def go_to(request: GoRequest, progress: Callable[[Progress], None] = lambda prog
         return _drive(request, world, navigator, goal, truth, progress)
     finally:
         world.close()
+
+
+def _world_of(request: GoRequest, meta: MapMeta) -> str:
+    """Name or path of the world to drive in. Raises: SessionError if it is not the map's, WorldError."""
+    if request.world is None and meta.world not in built_in_worlds():
+        raise SessionError(f"{request.map}: made in a world file called {meta.world!r}; name it with --world")
+    name = request.world or meta.world
+    spec = find_world(name, request.scale)
+    if spec.digest != meta.world_digest and request.world is None:
+        raise SessionError(
+            f"{request.map}: made in another {spec.name} than the one known by that name here; "
+            "name the world with --world"
+        )
+    if spec.digest != meta.world_digest and spec.name != meta.world:
+        raise SessionError(f"{request.map}: a map of {meta.world}, not of {spec.name}")
+    return name
 
 
 def _start(request: GoRequest, hybrid_map: HybridMap, truth: Truth) -> tuple[Pose, int, str]:

@@ -57,6 +57,7 @@ def make_world(
         model=simulation.model,
         engine=simulation.engine,
         start=start,
+        scale=simulation.scale,
     )
 
 
