@@ -42,13 +42,16 @@ class ExploreLocally:
 
     strategy: "rows" or "columns". heading: the robot's own, rad, in that frame. walls: those known already,
     as (direction to it in rad, distance from the node in m, standard deviation of the direction in rad).
-    square: whether all walls are known to stand at right angles to these.
+    square: whether all walls are known to stand at right angles to these. corner: of the node; at a convex
+    one no wall is near. points: obstacles known already (m, the node's frame), such as that corner's edge.
     """
 
     strategy: str = "rows"
     heading: float = 0.0
     walls: tuple[tuple[float, float, float], ...] = ()
     square: bool = False
+    corner: str = "concave"
+    points: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -213,7 +213,9 @@ class Mapper:
             ahead = 0.0 if self._corner.kind == "concave" else math.pi
             walls.append((ahead, self.config.wall_distance, 0.008))
         heading = wrap_angle(self.agent.odometry.heading - self._corner.heading)
-        return ExploreLocally(strategy, heading, tuple(walls), square)
+        edge = (-self.config.wall_distance, math.copysign(self.config.wall_distance, side))
+        points = (edge,) if self._corner.kind == "convex" else ()
+        return ExploreLocally(strategy, heading, tuple(walls), square, self._corner.kind, points)
 
     def _add_arc(self, source: int, target: int, distance: float) -> None:
         side = self.config.side

@@ -7,6 +7,9 @@ from collections.abc import Iterable
 
 from ..world.robot import CONTROL_PERIOD, Percept, RobotGeometry, WheelCommand
 
+_CLOSER = 0.0015
+"""Meters that a drive must come nearer to a point for it to be in the way."""
+
 
 def spin_command(geometry: RobotGeometry, remaining: float, limit: float) -> WheelCommand:
     """A turn in place by `remaining` (rad, counter-clockwise) or what `limit` (steps/s) allows in a tick."""
@@ -39,7 +42,7 @@ def is_free(
 ) -> bool:
     """Whether the shell keeps `margin` (m) from all points while driving `way` (m; negative: backwards).
 
-    Points that the drive leaves behind do not count: whoever stands close to a wall may turn and go away.
+    Points that the drive hardly comes nearer to do not count: whoever stands close to a wall may go away.
     """
     clearance = (geometry.body_radius + margin) ** 2
     direction = 1.0 if way >= 0.0 else -1.0
@@ -49,6 +52,7 @@ def is_free(
         if along <= 0.0:
             continue
         beyond = max(0.0, along - length)
-        if beyond * beyond + y * y < clearance:
+        nearest = beyond * beyond + y * y
+        if nearest < clearance and math.sqrt(x * x + y * y) - math.sqrt(nearest) > _CLOSER:
             return False
     return True

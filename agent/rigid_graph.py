@@ -36,6 +36,7 @@ class RigidGraph:
         }
         self.graph: nx.Graph = nx.Graph()
         self.graph.add_nodes_from(self.places)
+        self._driven: nx.Graph = nx.Graph()
         cells = list(self.places)
         for i, a in enumerate(cells):
             for b in cells[i + 1 :]:
@@ -69,6 +70,21 @@ class RigidGraph:
         except nx.NetworkXNoPath:
             return None
         return path[1:]
+
+    def way_back(self, start: Cell, goal: Cell) -> list[Cell] | None:
+        """The shortest way over arcs that were driven, without `start`; None if there is none."""
+        if start not in self._driven or goal not in self._driven:
+            return None if start != goal else []
+        path: list[Cell] = nx.shortest_path(self._driven, start, goal)
+        return path[1:]
+
+    def drove(self, a: Cell, b: Cell) -> None:
+        """Remembers that the arc between two neighbors is free: it was driven."""
+        self._driven.add_edge(a, b)
+
+    def was_driven(self, a: Cell, b: Cell) -> bool:
+        """Whether the arc between two neighbors was driven."""
+        return bool(self._driven.has_edge(a, b))
 
     def block(self, a: Cell, b: Cell) -> None:
         """Remembers that an obstacle parts two neighbors."""

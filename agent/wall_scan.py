@@ -1,21 +1,19 @@
-"""Walls as landmarks: what a turn in place tells of the walls around, and the pose that follows from it.
+"""What a turn in place tells of the walls around.
 
 While the robot turns on the spot every infrared sensor sweeps along the walls near by. Seen from one point a
 straight wall is 1 / r = a cos(t) + b sin(t), linear in (a, b): its foot and direction follow by least
-squares, whatever angle it stands at. Walls met while the pose is well known are landmarks that correct it
-later.
+squares, whatever angle it stands at.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..world.robot import Percept, Pose, RobotGeometry, wrap_angle
+from ..world.robot import Percept, RobotGeometry
 
 _WINDOW = math.radians(32.0)
 _FARTHEST = 0.055
@@ -35,7 +33,7 @@ class WallScan:
 
     def __init__(self, geometry: RobotGeometry) -> None:
         """Starts empty."""
-        self._geometry = geometry
+        self.geometry = geometry
         self._headings: list[float] = []
         self._values: list[tuple[float, ...]] = []
 
@@ -46,7 +44,7 @@ class WallScan:
 
     def walls(self) -> list[SeenWall]:
         """The walls whose foot was swept over, nearest first."""
-        geometry = self._geometry
+        geometry = self.geometry
         if len(self._headings) < 10:
             return []
         table = np.array(geometry.infrared_response)
@@ -110,114 +108,3 @@ def _nearest_wall(
     slope = foot * float(np.sqrt(np.sum(np.sin(used) ** 2)))
     deviation = max(0.002, spread / max(slope, 1e-6))
     return SeenWall(center, foot, deviation), mine
-
-
-@dataclass(slots=True)
-class _Landmark:
-    normal: float
-    offset: float
-    variance: float
-    offset_variance: float
-
-
-@dataclass(slots=True)
-class LandmarkPose:
-    """A pose kept by path integration and corrected by walls seen before. Local frame: m, rad.
-
-    heading_variance (rad^2), place_variance (m^2, each axis): of the pose. turn_noise, drive_noise: standard
-    deviation of the odometry's error, per square root of a radian turned and of a meter driven. square: walls
-    stand at right angles to the frame's axes.
-    """
-
-    x: float = 0.0
-    y: float = 0.0
-    heading: float = 0.0
-    heading_variance: float = 1e-5
-    place_variance: float = 1e-6
-    turn_noise: float = 0.0085
-    drive_noise: float = 0.0035
-    square: bool = False
-    _landmarks: list[_Landmark] = field(default_factory=list)
-
-    @property
-    def pose(self) -> Pose:
-        """The estimate; the heading is not wrapped."""
-        return Pose(self.x, self.y, self.heading)
-
-    def move(self, distance: float, turn: float) -> None:
-        """One tick of path integration (m, rad)."""
-        middle = self.heading + 0.5 * turn
-        self.x += distance * math.cos(middle)
-        self.y += distance * math.sin(middle)
-        self.heading += turn
-        way = abs(distance)
-        self.heading_variance += self.turn_noise**2 * abs(turn) + 0.05 * way * self.turn_noise
-        self.place_variance += self.drive_noise**2 * way + way * way * self.heading_variance
-
-    def see(self, wall: SeenWall) -> bool:
-        """Corrects the pose by a wall seen from here (normal in the local frame); True if it was known.
-
-        A wall is known if its normal agrees within 20 deg and its offset within 3 cm. A new one is kept with
-        the pose's present uncertainty; where walls are square it tells the heading at once.
-        """
-        normal, offset = wall.normal, self._offset(wall.normal, wall.distance)
-        best: _Landmark | None = None
-        for mark in self._landmarks:
-            turn = abs(wrap_angle(normal - mark.normal))
-            if (
-                turn < math.radians(20.0)
-                and abs(self._offset(mark.normal, wall.distance) - mark.offset) < 0.03
-            ):
-                best = mark
-                break
-        if best is None:
-            best = self._new_landmark(wall, offset)
-            if best is None:
-                return False
-        self._turn_to(wrap_angle(best.normal - normal), best.variance + wall.deviation**2)
-        self._shift_to(best, wall.distance)
-        return True
-
-    def _new_landmark(self, wall: SeenWall, offset: float) -> _Landmark | None:
-        """Keeps a wall; returns it if its direction is known all the same, because all walls are square."""
-        place_variance = self.place_variance + 0.0007**2
-        quarter = 0.5 * math.pi
-        if self.square:
-            normal = quarter * round(wall.normal / quarter)
-            if abs(wall.normal - normal) > 4.0 * math.sqrt(self.heading_variance + 0.01**2):
-                return None
-            mark = _Landmark(normal, self._offset(normal, wall.distance), 0.005**2, place_variance)
-            self._landmarks.append(mark)
-            return mark
-        variance = self.heading_variance + wall.deviation**2
-        self._landmarks.append(_Landmark(wall.normal, offset, variance, place_variance))
-        return None
-
-    def know(self, normal: float, distance: float, deviation: float) -> None:
-        """Tells a wall known beforehand: normal (rad, local frame), its distance (m) from the origin."""
-        self._landmarks.append(_Landmark(normal, distance, deviation**2, 0.001**2))
-
-    def turn_by_compass(self, error: float, variance: float) -> None:
-        """Corrects the heading by `error` (rad), known from elsewhere with `variance` (rad^2)."""
-        self._turn_to(error, variance)
-
-    def _turn_to(self, error: float, variance: float) -> None:
-        total = self.heading_variance + variance
-        if error * error > 16.0 * total:
-            return
-        gain = self.heading_variance / total
-        self.heading += gain * error
-        self.heading_variance *= 1.0 - gain
-
-    def _shift_to(self, mark: _Landmark, distance: float) -> None:
-        error = mark.offset - self._offset(mark.normal, distance)
-        total = self.place_variance + mark.offset_variance + 0.0007**2
-        if error * error > 16.0 * total:
-            return
-        gain = self.place_variance / total
-        self.x += gain * error * math.cos(mark.normal)
-        self.y += gain * error * math.sin(mark.normal)
-        self.place_variance *= 1.0 - 0.5 * gain
-
-    def _offset(self, normal: float, distance: float) -> float:
-        return self.x * math.cos(normal) + self.y * math.sin(normal) + distance

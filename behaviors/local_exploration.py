@@ -8,13 +8,24 @@ from enum import Enum
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
+from ..agent.compass import turn_between
 from ..agent.goals import ExploreLocally, LocalSamples
+from ..agent.local_pose import LocalPose
 from ..agent.motion import drive_command, is_free, obstacles, spin_command
+from ..agent.obstacle_memory import ObstacleMemory
 from ..agent.rigid_graph import Cell, RigidGraph
-from ..agent.wall_scan import LandmarkPose, WallScan
+from ..agent.wall_scan import WallScan
 from ..world.robot import STOP, Image, Percept, WheelCommand, wrap_angle
+
+Panorama = NDArray[np.float32]
+_COMPASS, _PARALLAX = math.radians(0.7), math.radians(200.0)
+"""Standard deviation of a turn by views: rad, and rad a meter between the places."""
+
+_PATIENCE = 12
+"""Retreats before obstacles after which exploration goes home."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,8 +34,10 @@ class LocalExplorationConfig:
 
     rows, columns, spacing (m): the rigid graph. position_interval, panorama_interval (m): how far apart
     samples are taken. speed, turn_speed: steps/s. margin: free space (m) left between shell and obstacle
-    where the robot goes; stop_margin: the same while driving. landmarks: whether walls swept while turning
-    correct the pose (profile `thesis`: path integration alone).
+    where the robot goes; stop_margin: the same while driving, touch_margin: where it drove before. landmarks:
+    whether walls swept while turning correct the pose, compass: whether views do (profile `thesis`: path
+    integration alone). compass_views: so many nearest panoramas are compared, and the first, none farther
+    than compass_range (m).
     """
 
     rows: int = 5
@@ -36,7 +49,11 @@ class LocalExplorationConfig:
     turn_speed: float = 300.0
     margin: float = 0.010
     stop_margin: float = 0.006
+    touch_margin: float = 0.002
     landmarks: bool = True
+    compass: bool = True
+    compass_views: int = 3
+    compass_range: float = 0.015
 
 
 class Exploring(Enum):
@@ -81,18 +98,22 @@ class LocalExploration(Behavior):
         """Forgets the place it was exploring."""
         config = self.config
         self._rigid = RigidGraph(config.rows, config.columns, config.spacing)
-        self._pose = LandmarkPose()
+        self._pose = LocalPose()
         self._here: Cell = self._rigid.center
         self._target: Cell | None = None
         self._queue: list[Cell] = []
         self._visited: set[Cell] = {self._here}
         self._given_up = 0
         self._scan: WallScan | None = None
+        self._memory = ObstacleMemory()
+        self._retreats = 0
         self._scanned = not config.landmarks
+        self._look_behind = False
         self._remaining = 0.0
         self._positions: list[tuple[float, float]] = []
         self._view_places: list[tuple[float, float]] = []
-        self._panoramas: list[list[Image]] = []
+        self._view_variances: list[float] = []
+        self._panoramas: list[Panorama] = []
         self._views: dict[int, Image] = {}
         self._headings: list[int] = []
 
@@ -102,10 +123,12 @@ class LocalExploration(Behavior):
             raise TypeError(f"{self.name} needs an ExploreLocally goal, not {goal!r}")
         self._queue = self._rigid.order(goal.strategy)
         self._scan = WallScan(context.geometry)
-        self._pose.heading = goal.heading
-        self._pose.square = goal.square
+        self._pose = LocalPose(goal.heading, goal.square)
+        self._look_behind = goal.corner == "convex"
         for normal, distance, deviation in goal.walls:
             self._pose.know(normal, distance, deviation)
+        for x, y in goal.points:
+            self._memory.know(x, y)
 
     def propose(self, percept: Percept, context: Context) -> Proposal:
         """One tick of exploring."""
@@ -130,7 +153,7 @@ class LocalExploration(Behavior):
     # --- states --------------------------------------------------------------------------------------
 
     def _plan(self, context: Context) -> WheelCommand:
-        if self._due(self._view_places, self.config.panorama_interval):
+        if self._view_is_due():
             self._begin_view()
             return STOP
         self._target = self._next_cell()
@@ -144,6 +167,8 @@ class LocalExploration(Behavior):
 
     def _next_cell(self) -> Cell | None:
         """The next node to drive to, a neighbor of this one; None when home again."""
+        if self._retreats > _PATIENCE:
+            self._queue.clear()
         while self._queue:
             goal = self._queue[0]
             if goal in self._visited:
@@ -154,13 +179,13 @@ class LocalExploration(Behavior):
                 return path[0]
             self._queue.pop(0)
             self._given_up += 1
-        path = self._rigid.path(self._here, self._rigid.center if self._scanned else self._lookout())
+        path = self._rigid.way_back(self._here, self._rigid.center if self._scanned else self._lookout())
         return path[0] if path else None
 
     def _lookout(self) -> Cell:
-        """Where to look at walls last: behind the node, beside the wall it came along; else the node."""
+        """Where to look at walls last: at the node if walls stand around it, else beside the wall behind."""
         behind = (self._rigid.center[0], 0)
-        return behind if behind in self._visited else self._rigid.center
+        return behind if self._look_behind and behind in self._visited else self._rigid.center
 
     def _aim(self, percept: Percept, context: Context) -> WheelCommand:
         assert self._target is not None
@@ -168,13 +193,24 @@ class LocalExploration(Behavior):
         remaining = wrap_angle(bearing - self._pose.heading)
         if abs(remaining) > 0.006:
             return spin_command(context.geometry, remaining, self.config.turn_speed)
-        points = obstacles(percept, context.geometry)
-        if not is_free(points, context.geometry, math.hypot(x, y), self.config.margin):
+        if self._rigid.was_driven(self._here, self._target) or self._way_is_free(
+            percept, context, math.hypot(x, y)
+        ):
+            self.fire("go")
+        else:
             self._rigid.block(self._here, self._target)
             self.fire("blocked")
-        else:
-            self.fire("go")
         return STOP
+
+    def _way_is_free(self, percept: Percept, context: Context, way: float) -> bool:
+        """Whether nothing sensed now, and nothing remembered, is in the way to the target."""
+        assert self._target is not None
+        geometry = context.geometry
+        if not is_free(obstacles(percept, geometry), geometry, way, self.config.margin):
+            return False
+        clearance = geometry.body_radius + self.config.stop_margin
+        start = (self._pose.x, self._pose.y)
+        return not self._memory.blocks(start, self._rigid.places[self._target], clearance)
 
     def _drive(self, percept: Percept, context: Context) -> WheelCommand:
         assert self._target is not None
@@ -182,16 +218,20 @@ class LocalExploration(Behavior):
         error = wrap_angle(bearing - self._pose.heading)
         remaining = math.hypot(x, y) * math.cos(error)
         if remaining < 0.001:
+            self._rigid.drove(self._here, self._target)
             self._here = self._target
             self._visited.add(self._target)
             self.fire("arrived")
             return STOP
-        if self._due(self._view_places, self.config.panorama_interval):
+        if self._view_is_due():
             self._begin_view()
             return STOP
         points = obstacles(percept, context.geometry)
-        if not is_free(points, context.geometry, min(remaining, 0.01), self.config.stop_margin):
+        known = self._rigid.was_driven(self._here, self._target)
+        margin = self.config.touch_margin if known else self.config.stop_margin
+        if not is_free(points, context.geometry, min(remaining, 0.01), margin):
             self._rigid.block(self._here, self._target)
+            self._retreats += 1
             self.fire("retreat")
             return STOP
         return drive_command(
@@ -212,10 +252,14 @@ class LocalExploration(Behavior):
     def _view(self, percept: Percept, context: Context) -> WheelCommand:
         """Turns to the four directions of the local frame, one after the other, and looks."""
         if not self._headings:
-            self._panoramas.append([self._views[k] for k in range(4)])
-            self._view_places.append((self._pose.x, self._pose.y))
+            panorama = np.array([self._views[k] for k in range(4)], dtype=np.float32)
             self._views = {}
             self._correct(context)
+            if self.config.compass:
+                self._compare(panorama, context)
+            self._panoramas.append(panorama)
+            self._view_places.append((self._pose.x, self._pose.y))
+            self._view_variances.append(self._pose.heading_variance)
             self.fire("plan" if self._target in (None, self._here) else "aim")
             return STOP
         self._sweep(percept)
@@ -258,6 +302,7 @@ class LocalExploration(Behavior):
     def _sweep(self, percept: Percept) -> None:
         if self.config.landmarks and self._scan is not None:
             self._scan.add(self._pose.heading, percept)
+            self._memory.add(self._pose.pose, obstacles(percept, self._scan.geometry))
 
     def _correct(self, context: Context) -> None:
         """Corrects the pose by the walls swept over in the turn that has just ended."""
@@ -266,11 +311,29 @@ class LocalExploration(Behavior):
                 self._pose.see(wall)
         self._scan = WallScan(context.geometry)
 
+    def _compare(self, panorama: Panorama, context: Context) -> None:
+        """Corrects the heading by turning the panorama against the first and the nearest ones before it."""
+        x, y = self._pose.x, self._pose.y
+        away = [math.hypot(x - u, y - v) for u, v in self._view_places]
+        near = sorted(range(len(away)), key=away.__getitem__)[: self.config.compass_views]
+        for index in dict.fromkeys([0, *near] if away else []):
+            if away[index] > self.config.compass_range:
+                continue
+            turn = turn_between(self._panoramas[index], panorama, context.geometry.camera_field_of_view)
+            if turn is not None:
+                deviation = _COMPASS + _PARALLAX * away[index]
+                self._pose.turn_by_compass(turn.angle, deviation**2 + self._view_variances[index])
+
     def _due(self, places: list[tuple[float, float]], interval: float) -> bool:
         if not places:
             return True
         x, y = places[-1]
         return math.hypot(self._pose.x - x, self._pose.y - y) >= interval
+
+    def _view_is_due(self) -> bool:
+        """Every panorama_interval, but not on the way home after the last scan: turning costs heading."""
+        over = self.config.landmarks and self._scanned
+        return not over and self._due(self._view_places, self.config.panorama_interval)
 
     def _begin_view(self) -> None:
         """Orders the four directions so that one sweep in place meets them all, the nearest first."""

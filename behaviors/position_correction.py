@@ -27,7 +27,7 @@ _CORNER = 0.008
 class PositionCorrectionConfig:
     """Settings of the position correction.
 
-    back_off: how far to go back at most (m). speed: steps/s. margin: free space (m) to leave behind.
+    back_off: how far to go back along the wall at most (m). speed: steps/s. margin: free space (m) to leave behind.
     samples: ticks of standing still to measure the wall's direction. turn_speed: steps/s.
     tolerance: how much farther than expected the corner may be (m).
     """
@@ -157,7 +157,8 @@ class PositionCorrection(Behavior):
         line = self._side_wall(view)
         if line is not None:
             wall.correct(line)
-        room = min(self.config.back_off, self._goal.room)
+        unseen = self._follower.config.distance if self._goal.kind == "convex" else 0.0
+        room = min(self.config.back_off + unseen, self._goal.room)
         blocked = not is_free(obstacles(percept, geometry), geometry, -0.01, self.config.margin)
         if self._backed >= room or blocked:
             self.fire("far_enough")
