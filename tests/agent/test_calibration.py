@@ -12,7 +12,7 @@ TRACK = 0.053
 
 
 def drive(estimate: MismatchEstimate, true: float, length: float, slip: float = 0.0) -> None:
-    """Along a straight wall: odometry that already uses the estimate turns by what is left of the mismatch."""
+    """Along a straight wall: odometry that uses the estimate turns by what is left of the mismatch."""
     estimate.straight(TRACK, (estimate.value - true) * length / TRACK + slip, length)
 
 

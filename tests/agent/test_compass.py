@@ -51,6 +51,8 @@ def test_a_turn_beyond_its_range_is_not_told_as_a_small_one() -> None:
     assert turn is None or turn.angle > math.radians(15.0)
 
 
-def test_plain_views_tell_nothing() -> None:
-    grey = np.full((4, 16, 16), 0.5, dtype=np.float32)
-    assert turn_between(grey, grey, FIELD) is None
+@settings(max_examples=40, deadline=None)
+@given(st.floats(0.1, 0.9), st.floats(0.0, 0.05))
+def test_plain_views_tell_nothing(grey: float, brighter: float) -> None:
+    plain = np.full((4, 16, 16), grey, dtype=np.float32)
+    assert turn_between(plain, plain + np.float32(brighter), FIELD) is None

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import pytest
 from hypothesis import given
@@ -44,7 +45,7 @@ def test_both_strategies_visit_every_node_once(lattice: RigidGraph, strategy: st
 def test_the_order_goes_back_and_forth(strategy: str) -> None:
     lattice = RigidGraph()
     order = lattice.order(strategy)
-    assert all(lattice.distance(a, b) < 0.1 for a, b in zip(order, order[1:], strict=False))
+    assert all(lattice.distance(a, b) < 0.1 for a, b in pairwise(order))
 
 
 @given(lattices, st.data())
@@ -54,7 +55,7 @@ def test_a_path_goes_from_neighbor_to_neighbor(lattice: RigidGraph, data: st.Dat
     path = lattice.path(start, goal)
     assert path is not None or lattice.columns == 1 or lattice.rows == 1
     steps: list[Cell] = [start, *(path or [])]
-    assert all(lattice.graph.has_edge(a, b) for a, b in zip(steps, steps[1:], strict=False))
+    assert all(lattice.graph.has_edge(a, b) for a, b in pairwise(steps))
     assert path is None or steps[-1] == goal
 
 
@@ -73,7 +74,7 @@ def test_a_blocked_arc_is_gone_around_and_what_is_cut_off_has_no_path() -> None:
 
 
 def test_even_lattices_and_unknown_strategies_are_refused() -> None:
-    with pytest.raises(ValueError, match="odd rows and columns .* 4x5"):
+    with pytest.raises(ValueError, match=r"odd rows and columns .* 4x5"):
         RigidGraph(4, 5)
     with pytest.raises(ValueError, match="unknown exploration strategy 'spiral'; known: rows, columns"):
         RigidGraph().order("spiral")

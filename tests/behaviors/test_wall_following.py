@@ -1,0 +1,223 @@
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tolman.agent import Agent
+from tolman.agent.events import CornerReached, Event, WallMet
+from tolman.agent.goals import Follow, FollowFrom
+from tolman.behaviors.wall_following import Following, WallFollowing
+from tolman.plugins.strategies import percept_runs
+from tolman.plugins.testing import (
+    Trial,
+    assert_drives_forward,
+    assert_event_order,
+    assert_in_place,
+    assert_stands,
+    assert_states,
+    assert_turns,
+    assert_valid,
+    percept,
+)
+from tolman.world import open_world
+from tolman.world.base import World
+from tolman.world.robot import EPUCK, Percept, Pose, wrap_angle
+
+GAP = 0.057 - EPUCK.body_radius
+ENV1 = [
+    ("concave", 0.943, 0.057),
+    ("concave", 0.943, 0.603),
+    ("convex", 0.643, 0.603),
+    ("concave", 0.643, 0.943),
+    ("concave", 0.057, 0.943),
+    ("concave", 0.057, 0.057),
+    ("concave", 0.243, 0.057),
+    ("convex", 0.243, 0.590),
+    ("convex", 0.477, 0.590),
+    ("concave", 0.477, 0.057),
+]
+"""env1's nodes with the wall on the right, in order: 5.7 cm from each wall (m, world frame)."""
+
+
+class Follower:
+    """Follows walls in a kinematic world; keeps the corners with the true pose at each."""
+
+    def __init__(self, world: World, side: str) -> None:
+        self.world = world
+        self.agent = Agent(world.robots[0], [WallFollowing()])
+        self.corners: list[tuple[CornerReached, Pose]] = []
+        self.heard: list[Event] = []
+        self.agent.bus.subscribe(Event, self.heard.append)
+        self.agent.bus.subscribe(CornerReached, lambda event: self.corners.append((event, world.true_pose())))
+        self.agent.start("wall-following", Follow(side))
+
+    def until(self, corners: int, max_ticks: int = 8000) -> Follower:
+        for _ in range(max_ticks):
+            if len(self.corners) >= corners:
+                return self
+            self.agent.tick()
+            self.world.step()
+        raise AssertionError(f"{len(self.corners)} corners in {max_ticks} ticks, expected {corners}")
+
+
+def env1(side: str, noise: str, seed: int = 0) -> Follower:
+    return Follower(open_world("env1", engine="kinematic", noise=noise, seed=seed, start=side), side)
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_without_noise_corners_are_met_within_two_millimeters(side: str) -> None:
+    follower = env1(side, "none").until(len(ENV1) + 1)
+    nodes = ENV1 if side == "right" else [ENV1[9], *reversed(ENV1[:9])]
+    for (event, pose), (kind, x, y) in zip(follower.corners, [*nodes, nodes[0]], strict=True):
+        assert (event.kind, event.side) == (kind, side)
+        assert math.hypot(pose.x - x, pose.y - y) < 0.002
+    assert follower.world.collisions() == 0
+
+
+def test_path_lengths_are_the_ways_between_corners() -> None:
+    follower = env1("right", "none").until(len(ENV1) + 1)
+    for i, (event, _) in enumerate(follower.corners[1:], start=1):
+        (_, ax, ay), (_, bx, by) = ENV1[i - 1], ENV1[i % len(ENV1)]
+        assert event.path_length == pytest.approx(math.hypot(bx - ax, by - ay), abs=0.003)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_with_the_published_noise_corners_stay_within_five_millimeters(seed: int) -> None:
+    follower = env1("right", "thesis", seed).until(len(ENV1))
+    assert [event.kind for event, _ in follower.corners] == [kind for kind, _, _ in ENV1]
+    off = [math.hypot(p.x - x, p.y - y) for (_, p), (_, x, y) in zip(follower.corners, ENV1, strict=True)]
+    assert max(off) < 0.005
+    assert follower.world.collisions() == 0
+
+
+def test_each_wall_is_told_before_its_corner_with_its_direction() -> None:
+    follower = env1("right", "none").until(5)
+    told = [event for event in follower.heard if isinstance(event, (CornerReached, WallMet))]
+    assert_event_order(told, *[WallMet, CornerReached] * 5)
+    for i, event in enumerate(told):
+        if isinstance(event, CornerReached):
+            assert abs(wrap_angle(event.heading - told[i - 1].heading)) < math.radians(1.5)  # type: ignore[union-attr]
+            assert abs(wrap_angle(event.heading - 0.5 * math.pi * round(event.heading / (0.5 * math.pi)))) < (
+                math.radians(1.5)
+            )
+
+
+SLANTED = """\
+tolman-world: 1
+description: a room with walls at 45 degrees
+room: {size: [1.2, 1.0]}
+polygons:
+  - points: [[1.2, 0.6], [1.2, 1.0], [0.8, 1.0]]
+  - points: [[0.0, 0.55], [0.25, 0.8], [0.0, 1.0]]
+starts:
+  right: [0.5, 0.057, 0]
+"""
+
+
+def test_slanted_walls_are_followed_and_their_turns_told(tmp_path: Path) -> None:
+    path = tmp_path / "slanted.yaml"
+    path.write_text(SLANTED)
+    world = open_world(path, engine="kinematic", noise="none", start="right")
+    follower = Follower(world, "right").until(3)
+    turns, walls = [], [e for e in follower.heard if isinstance(e, WallMet)]
+    for (corner, _), wall in zip(follower.corners, walls[1:], strict=False):
+        turns.append(math.degrees(wrap_angle(wall.heading - corner.heading)))
+    assert [event.kind for event, _ in follower.corners] == ["concave"] * 3
+    assert turns == pytest.approx([90.0, 45.0], abs=3.0)
+    assert world.collisions() == 0
+
+
+def test_searching_it_drives_on_until_a_wall_is_ahead_then_turns_away_from_it() -> None:
+    trial = Trial(WallFollowing(), goal=Follow("right"))
+    assert_drives_forward(trial.run(ticks=20))
+    trial.step(percept(front=0.02))
+    assert_turns(trial.step(percept(front=0.02)), "left")
+    assert_states(trial.states, Following.SEARCH, Following.CONCAVE)
+
+
+def test_beside_a_wall_it_keeps_its_distance() -> None:
+    for gap, side in ((GAP - 0.006, "left"), (GAP + 0.006, "right")):
+        trial = Trial(WallFollowing(), goal=Follow("right", FollowFrom.WALL))
+        trial.run(percept(right=gap), ticks=10)
+        assert_drives_forward(trial.proposals[-1])
+        assert_turns(trial.proposals[-1], side)
+
+
+def test_a_wall_ahead_is_looked_at_standing_before_the_corner_is_told() -> None:
+    trial = Trial(WallFollowing(), goal=Follow("right", FollowFrom.WALL))
+    trial.run(percept(right=GAP), ticks=60)
+    trial.run(percept(right=GAP, front=GAP - 0.001), ticks=4)
+    for proposal in trial.proposals[-4:]:
+        assert_stands(proposal)
+    (corner,) = [event for event in trial.events if isinstance(event, CornerReached)]
+    assert corner.kind == "concave"
+    assert corner.turn == pytest.approx(0.5 * math.pi, abs=0.1)
+    assert corner.path_length == pytest.approx(trial.pose.x, abs=0.002)
+    assert_turns(trial.step(percept(right=GAP, front=GAP)), "left")
+
+
+def test_where_the_wall_ends_it_drives_its_distance_on_and_turns_around_the_end() -> None:
+    trial = Trial(WallFollowing(), goal=Follow("left", FollowFrom.WALL))
+    trial.run(percept(left=GAP), ticks=60)
+    ended = trial.pose.x
+    trial.run(ticks=80)
+    (corner,) = [event for event in trial.events if isinstance(event, CornerReached)]
+    assert corner.kind == "convex"
+    assert corner.turn == pytest.approx(0.5 * math.pi, abs=0.1)
+    assert corner.path_length == pytest.approx(ended + 0.057, abs=0.005)
+    trial.run(ticks=80)
+    assert_states(trial.states, *list(Following)[0:2], Following.ADVANCE, Following.CONVEX, Following.GAP)
+    assert trial.pose.heading == pytest.approx(0.5 * math.pi, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("start", "turn", "side"),
+    [
+        (FollowFrom.CONCAVE, None, "left"),
+        (FollowFrom.CONVEX, None, "right"),
+        (FollowFrom.CONCAVE, 0.7, "left"),
+    ],
+)
+def test_at_a_corner_it_begins_with_the_turn_it_was_told(
+    start: FollowFrom, turn: float | None, side: str
+) -> None:
+    trial = Trial(WallFollowing(), goal=Follow("right", start, turn))
+    proposal = trial.step()
+    assert_in_place(proposal)
+    assert_turns(proposal, side)
+    for _ in range(300):
+        if trial.behavior.state is not trial.states[0] and trial.behavior.state in (
+            Following.FOLLOW,
+            Following.GAP,
+        ):
+            break
+        trial.step()
+    assert abs(trial.pose.heading) == pytest.approx(0.5 * math.pi if turn is None else turn, abs=0.01)
+
+
+def mirror(run: list[Percept]) -> list[Percept]:
+    return [Percept(p.tick, p.time, p.infrared[::-1], p.encoders, p.accelerometer) for p in run]
+
+
+@settings(max_examples=50, deadline=None)
+@given(percept_runs(), st.sampled_from(list(FollowFrom)))
+def test_left_is_the_mirror_image_of_right_whatever_is_sensed(run: list[Percept], start: FollowFrom) -> None:
+    right = Trial(WallFollowing(), goal=Follow("right", start))
+    left = Trial(WallFollowing(), goal=Follow("left", start))
+    right.run(run)
+    left.run(mirror(run))
+    for one, other in zip(right.proposals, left.proposals, strict=True):
+        one, other = assert_valid(one), assert_valid(other)
+        assert (one.command.left, one.command.right) == pytest.approx(
+            (other.command.right, other.command.left), abs=1e-6
+        )
+    assert right.states == left.states
+    assert not right.behavior.finished
+
+
+def test_only_a_follow_goal_is_taken() -> None:
+    with pytest.raises(TypeError, match="needs a Follow goal, not None"):
+        Trial(WallFollowing())
