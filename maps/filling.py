@@ -1,8 +1,9 @@
 """After batch training: units that win nothing take over samples that share a unit, if the topology allows.
 
-With about as many units as samples, batch training leaves some units without samples while others hold several.
-A free neighbor of a crowded unit is put onto the worst of its samples, as growing neural gas inserts units next
-to the largest error (Fritzke 1995), but only when no sample more has its two best units apart on the lattice.
+With about as many units as samples, batch training leaves some units without samples while others hold
+several. A free neighbor of a crowded unit is put onto the worst of its samples, as growing neural gas inserts
+units next to the largest error (Fritzke 1995), but only when no sample more has its two best units apart on
+the lattice. Then every unit goes to the mean of its samples, as often as that helps, on the same condition.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ from .online import squared_distances
 LIMIT = 256
 """Maps of more units or samples are left as they are: each move looks at all pairs."""
 
+_SETTLING = 4
+
 
 def fill(lattice: Lattice, weights: Floats, samples: Floats) -> Floats:
     """(units, dims) weights with a quantization and a topographic error no higher than before."""
@@ -27,13 +30,18 @@ def fill(lattice: Lattice, weights: Floats, samples: Floats) -> Floats:
     torn = _torn(lattice, apart)
     for mend in (True, False):  # first where the topology is torn, then wherever a unit is crowded
         torn = _move_free_units(lattice, weights, samples, apart, between, torn, mend)
-    centered = weights.copy()
-    winners = apart.argmin(axis=0)
-    for unit in np.unique(winners):
-        centered[unit] = samples[winners == unit].mean(axis=0)
-    settled = squared_distances(centered, samples)
-    better = np.sqrt(settled.min(axis=0)).sum() <= np.sqrt(apart.min(axis=0)).sum()
-    return centered if better and _torn(lattice, settled).sum() <= torn.sum() else weights
+    for _ in range(_SETTLING):
+        winners = apart.argmin(axis=0)
+        count = np.bincount(winners, minlength=lattice.units)
+        members = (winners == np.arange(lattice.units)[:, None]) / np.maximum(count, 1)[:, None]
+        centered = np.where(count[:, None] > 0, members @ samples, weights)
+        settled = squared_distances(centered, samples)
+        gain = float(np.sqrt(apart.min(axis=0)).sum() - np.sqrt(settled.min(axis=0)).sum())
+        still = _torn(lattice, settled)
+        if gain <= 0.0 or still.sum() > torn.sum():
+            break
+        weights, apart, torn = centered, settled, still
+    return weights
 
 
 def _torn(lattice: Lattice, apart: Floats) -> NDArray[np.bool_]:
@@ -44,7 +52,7 @@ def _torn(lattice: Lattice, apart: Floats) -> NDArray[np.bool_]:
     apart[first, columns] = np.inf
     second = apart.argmin(axis=0)
     apart[first, columns] = kept
-    return ~lattice.adjacency[first, second]
+    return np.asarray(~lattice.adjacency[first, second])
 
 
 def _move_free_units(

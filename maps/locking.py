@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Self
 
@@ -37,6 +39,16 @@ class Lock:
                 pass  # the one who had it removed it between our two looks
             os.close(descriptor)
         raise MapFileLockedError(f"{target}: its lock {path.name} keeps changing hands")
+
+    @classmethod
+    @contextmanager
+    def held(cls, target: Path) -> Iterator[None]:
+        """Holds the lock of `target` for a block. Raises: MapFileLockedError, OSError."""
+        lock = cls.acquire(target)
+        try:
+            yield
+        finally:
+            lock.release()
 
     def release(self) -> None:
         """Removes the lock. Twice does nothing."""

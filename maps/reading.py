@@ -57,6 +57,14 @@ def open_map(path: Path) -> sqlite3.Connection:
     return _connect(path, "mode=ro&immutable=1" if sealed else "mode=ro")
 
 
+def open_unchecked(path: Path) -> sqlite3.Connection:
+    """A read-only connection for saving what can be saved: schema and settings are checked, sizes are not.
+
+    Raises: MapFileError, MapFileDamagedError.
+    """
+    return _connect(path, "mode=ro" if sibling(path, "-wal").exists() else "mode=ro&immutable=1")
+
+
 def _connect(path: Path, options: str) -> sqlite3.Connection:
     with damage(path):
         connection = sqlite3.connect(

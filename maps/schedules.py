@@ -81,8 +81,8 @@ class BatchConfig:
     """Batch training: every pass moves each unit to the weighted mean of all samples.
 
     The Gaussian radius shrinks geometrically from `radius` to `radius_end` in `passes` passes, then stays
-    until the best-matching units repeat, for at most `max_passes` in all. fill: units left without samples then
-    take over samples that share one (see `filling`).
+    until the best-matching units repeat, for at most `max_passes` in all. fill: units left without samples
+    then take over samples that share one (see `filling`).
     """
 
     passes: int = 20

@@ -5,14 +5,17 @@ from __future__ import annotations
 import os
 import sqlite3
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
 from math import isfinite
 from pathlib import Path
 from typing import Any
 
 import networkx as nx
 
-from .errors import MapError, MapFileDamagedError, MapFileExistsError
+from .errors import MapError, MapFileDamagedError, MapFileError, MapFileExistsError
 from .local_map import LocalMap
+from .locking import Lock
 from .meta import MapMeta
 from .reading import MAX_ARCS_PER_NODE, MAX_NODES, TensorReader, damage, open_map, read_rows
 from .records import ArcRow, NodeRow, dump_json, pack_local_map, parse_json, parse_object
@@ -92,26 +95,42 @@ def write_file(
 
     Raises: MapFileExistsError, MapFileError, MapError.
     """
-    target = Path(path)
+    with drafting(Path(path), force) as writer:
+        put_meta(writer, meta)
+        for node in sorted(graph):
+            put_node(writer, graph, node)
+        for key in sorted(graph.edges(keys=True)):
+            put_arc(writer, graph, key)
+
+
+@contextmanager
+def drafting(target: Path, force: bool = False) -> Iterator[RowWriter]:
+    """Writes a whole new file through the writer it yields; `target` appears at the end or not at all.
+
+    Raises: MapFileExistsError without force, MapFileError.
+    """
     if target.exists() and not force:
         raise MapFileExistsError(f"{target} exists already; force overwrites it")
+    if not target.parent.is_dir():
+        raise MapFileError(f"{target}: the folder {target.parent} does not exist")
     draft = sibling(target, ".draft")
-    with file_errors(target, "write"):
+    with file_errors(target, "write"), Lock.held(target):
         draft.unlink(missing_ok=True)
-        connection = sqlite3.connect(draft, isolation_level=None)
         try:
-            connection.execute("PRAGMA journal_mode = OFF")
-            connection.execute("PRAGMA synchronous = OFF")
-            create_tables(connection)
-            with transaction(connection) as writer:
-                put_meta(writer, meta)
-                for node in sorted(graph):
-                    put_node(writer, graph, node)
-                for key in sorted(graph.edges(keys=True)):
-                    put_arc(writer, graph, key)
-            replace_file(write_copy(connection, target), target)
+            connection = sqlite3.connect(draft, isolation_level=None)
+            try:
+                connection.execute("PRAGMA journal_mode = OFF")
+                connection.execute("PRAGMA synchronous = OFF")
+                create_tables(connection)
+                with transaction(connection) as writer:
+                    yield writer
+                part = write_copy(connection, target)
+            finally:
+                connection.close()
+            replace_file(part, target)
+            for ending in ("-wal", "-shm", "-journal"):
+                sibling(target, ending).unlink(missing_ok=True)
         finally:
-            connection.close()
             draft.unlink(missing_ok=True)
 
 

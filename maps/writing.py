@@ -12,6 +12,9 @@ from .errors import MapFileError
 from .records import Value, row_hash, wrap_sum
 from .schema import APPLICATION_ID, DIGESTED, FORMAT_VERSION, KEYS, PAGE_SIZE, TABLES
 
+_SCHEMA_COOKIE = 40
+"""Where the file's header has the 4-byte counter of schema changes."""
+
 
 @contextmanager
 def file_errors(path: Path, doing: str) -> Iterator[None]:
@@ -108,6 +111,9 @@ def write_copy(connection: sqlite3.Connection, path: Path) -> Path:
     try:
         connection.execute("VACUUM INTO ?", (str(part),))
         with open(part, "rb+") as file:
+            file.seek(_SCHEMA_COOKIE)
+            file.write(b"\0\0\0\1")  # VACUUM counts it up each time: the one byte that is not content
+            file.flush()
             os.fsync(file.fileno())
     except BaseException:
         part.unlink(missing_ok=True)

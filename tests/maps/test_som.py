@@ -162,9 +162,9 @@ def test_gram_and_direct_batch_training_agree() -> None:
 
 @pytest.mark.parametrize("seed", range(5))
 def test_batch_beats_configuration_1_in_both_kinds(seed: int) -> None:
-    for samples, config in ((places(seed=seed), METRIC_1), (views(seed=seed), PERCEPTUAL_1)):
+    for samples, config in ((places(30, seed=seed), METRIC_1), (views(seed=seed), PERCEPTUAL_1)):
         thesis = SOM.train(samples, config, np.random.default_rng(seed))
-        assert SOM.train(samples).quantization_error(samples) < thesis.quantization_error(samples)
+        assert SOM.train(samples).quantization_error(samples) <= 0.85 * thesis.quantization_error(samples)
 
 
 def test_continued_training_follows_new_samples() -> None:
