@@ -49,6 +49,8 @@ TARGETS = {
             ["-c", "from importlinter.cli import lint_imports_command; lint_imports_command()"],
         ],
     ),
+    "bench": ("", [["-m", "tolman.scripts.bench_tick"]]),
+    "torture": ("", [["-m", "tolman.scripts.torture", "all"]]),
     "format": ("dev", [["-m", "ruff", "check", "--fix", "."], ["-m", "ruff", "format", "."]]),
 }
 """Target -> (the extra of pyproject.toml it needs, the arguments of each Python process to run in turn)."""

@@ -79,8 +79,8 @@ def draw_lattice(axes: Axes, lattice: Lattice, pose: Pose) -> None:
         axes.scatter(chosen[:, 0], chosen[:, 1], s=5, c=color, edgecolors=LATTICE, linewidths=0.4, zorder=4)
 
 
-def draw_arcs(axes: Axes, drawing: Drawing) -> None:
-    """Draws each pair of joined nodes once, with its distance in cm beside the line."""
+def draw_arcs(axes: Axes, drawing: Drawing, radius: float) -> None:
+    """Draws each pair of joined nodes once, and its distance in cm where the discs of nodes leave room."""
     drawn: set[tuple[int, int]] = set()
     for arc in drawing.arcs:
         pair = (min(arc.start, arc.end), max(arc.start, arc.end))
@@ -88,7 +88,9 @@ def draw_arcs(axes: Axes, drawing: Drawing) -> None:
             continue
         drawn.add(pair)
         start, end = drawing.nodes[arc.start], drawing.nodes[arc.end]
-        axes.plot([start.x, end.x], [start.y, end.y], color=ARC, linewidth=1.6, zorder=2)
+        axes.plot([start.x, end.x], [start.y, end.y], color=ARC, linewidth=2.4, zorder=2)
+        if start.distance_to(end) < 5 * radius:
+            continue
         angle = math.degrees(math.atan2(end.y - start.y, end.x - start.x))
         axes.text(
             (start.x + end.x) / 2,
@@ -115,7 +117,7 @@ def draw_nodes(axes: Axes, drawing: Drawing, radius: float) -> None:
             pose.y,
             drawing.labels.get(node, str(node)),
             color="white",
-            fontsize=7,
+            fontsize=7 if len(drawing.nodes) <= 12 else 5,
             fontweight="bold",
             ha="center",
             va="center_baseline",
@@ -127,7 +129,7 @@ def legend(axes: Axes, drawing: Drawing) -> None:
     """Explains what is drawn, below the picture."""
     keys = [axes.plot([], [], "o", color=NODE, markersize=7, label="node, with entry heading")[0]]
     if drawing.arcs:
-        keys.append(axes.plot([], [], color=ARC, linewidth=1.6, label="arc, as measured")[0])
+        keys.append(axes.plot([], [], color=ARC, linewidth=2.4, label="arc, as measured")[0])
     if drawing.lattices:
         keys.append(axes.plot([], [], ".-", color=LATTICE, linewidth=0.8, label="metric SOM")[0])
     if len(drawing.track):
@@ -162,11 +164,12 @@ def compose_figure(drawing: Drawing) -> Figure:
     for shape in drawing.shapes:
         axes.add_patch(PolygonPatch(outline(shape), closed=True, fc=WALL, ec=WALL, lw=0.5, zorder=1))
     if len(drawing.track):
-        axes.plot(drawing.track[:, 0], drawing.track[:, 1], color=PATH, lw=0.7, alpha=0.8, zorder=1.5)
+        axes.plot(drawing.track[:, 0], drawing.track[:, 1], color=PATH, lw=0.7, zorder=2.5)
     for node, lattice in drawing.lattices.items():
         draw_lattice(axes, lattice, drawing.nodes[node])
-    draw_arcs(axes, drawing)
-    draw_nodes(axes, drawing, radius=0.016 * (right - left))
+    radius = (0.016 if len(drawing.nodes) <= 12 else 0.011) * (right - left)
+    draw_arcs(axes, drawing, radius)
+    draw_nodes(axes, drawing, radius)
     legend(axes, drawing)
     axes.set(xlim=(left, right), ylim=(bottom, top), xlabel="x (m)", ylabel="y (m)", aspect="equal")
     axes.set_title(drawing.title, fontsize=10)
