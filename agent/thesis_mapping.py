@@ -9,6 +9,7 @@ What the thesis leaves open is settled in decision record 060.
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import Enum
@@ -52,7 +53,8 @@ class ThesisMappingConfig:
     side: of the wall. local_maps: whether to explore around nodes. strategy: "rows", "columns" or
     "alternate". max_nodes: end after so many, None for no limit. angle (rad), distance (m): algorithm 1's
     thresholds (table 4.1). closing: the loop is closed where the view is nearer to node 0's perceptual SOM
-    than so many times its mean training distance D_a (table 4.17); None: never.
+    than so many times its mean training distance D_a (table 4.17); None: never. settle: rad within `window`
+    ticks, so little must the heading change for a turn to be over; None: a node may be made in mid-turn.
     """
 
     side: str = "right"
@@ -62,6 +64,8 @@ class ThesisMappingConfig:
     angle: float = math.radians(45.0)
     distance: float = 0.05
     closing: float | None = 1.0
+    settle: float | None = math.radians(4.0)
+    window: int = 16
 
 
 class ThesisMapper:
@@ -93,6 +97,7 @@ class ThesisMapper:
         self._origin = 0.0
         self._travelled = 0.0
         self._met_at = 0.0
+        self._headings: deque[float] = deque(maxlen=config.window)
         agent.processes.append(self)
         agent.bus.subscribe(NodeCreated, self._on_created)
         agent.bus.subscribe(BehaviorFinished, self._on_finished)
@@ -109,6 +114,7 @@ class ThesisMapper:
     def drive_on(self) -> None:
         """Follows the wall from where the robot stands."""
         self.phase = ThesisPhase.FOLLOW
+        self._headings.clear()
         self.agent.start("reactive-wall-following", Follow(self.config.side))
 
     def stop(self, reason: str) -> None:
@@ -144,12 +150,22 @@ class ThesisMapper:
         if self.phase is not ThesisPhase.FOLLOW or self.done:
             return
         here, before = context.pose, self._before
+        self._headings.append(here.heading)
         if before is None:
             self._before = here
             return
         turned = abs(wrap_angle(here.heading - before.heading))
         if turned > self.config.angle and here.distance_to(before) > self.config.distance:
-            self._change(context)
+            if self._settled(here.heading):
+                self._change(context)
+
+    def _settled(self, heading: float) -> bool:
+        """Whether the robot has stopped turning."""
+        limit = self.config.settle
+        if limit is None:
+            return True
+        full = len(self._headings) == self.config.window
+        return full and all(abs(wrap_angle(heading - past)) < limit for past in self._headings)
 
     def _change(self, context: Context) -> None:
         self._met_at = context.time
