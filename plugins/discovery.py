@@ -11,7 +11,7 @@ import hashlib
 import importlib.util
 import inspect
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -21,7 +21,14 @@ from typing import Any
 from ..agent.behavior import Behavior, check_declarations
 from ..agent.errors import AgentError
 from ..agent.mediator import Mediator
-from .errors import BrokenPluginError, DuplicatePluginError, PluginError, UnknownPluginError
+from .errors import (
+    BrokenPluginError,
+    DuplicatePluginError,
+    IsolationError,
+    PluginError,
+    UnknownPluginError,
+)
+from .isolation import Subprocess, describe_file, isolated_class
 
 BEHAVIORS = "tolman.behaviors"
 MEDIATORS = "tolman.mediators"
@@ -73,20 +80,23 @@ class Catalog:
         raise UnknownPluginError(f"unknown {_KINDS[group]} {name!r}; {hint}known: {names}{broken}")
 
 
-def discover(folders: Iterable[Path | str] = ()) -> Catalog:
+def discover(folders: Iterable[Path | str] = (), isolate: bool | Collection[str] = False) -> Catalog:
     """Finds all plugins: those of installed distributions, then the .py files of the folders.
+
+    isolate: True, or names: behaviors that are not tolman's own run in a subprocess each, and what is
+    isolated is never imported here; with names all files are looked at in a subprocess first.
 
     Raises: PluginError if a folder is none, DuplicatePluginError if two plugins share a name.
     """
     catalog = Catalog()
     for group in _KINDS:
         for entry in entry_points(group=group):
-            catalog.add(Plugin(entry.name, group, _origin(entry), _entry_loader(entry, group)))
+            catalog.add(Plugin(entry.name, group, _origin(entry), _entry_loader(entry, group, isolate)))
     for folder in folders:
         for path in plugin_files(Path(folder)):
             try:
-                found = plugins_in(path)
-            except BrokenPluginError as fault:
+                found = _isolated_in(path, isolate) if isolate else plugins_in(path)
+            except (BrokenPluginError, IsolationError) as fault:
                 catalog.broken[str(path)] = str(fault)
                 continue
             for plugin in found:
@@ -100,6 +110,21 @@ def plugin_files(folder: Path) -> list[Path]:
         raise PluginError(f"plugin folder {folder}: no such folder; give one that holds .py files")
     skipped = ("_", "test_", "conftest", "setup.py")
     return sorted(path for path in folder.glob("*.py") if not path.name.startswith(skipped))
+
+
+def _isolated_in(path: Path, isolate: bool | Collection[str]) -> list[Plugin]:
+    """The behaviors of a file, those to isolate as classes that stand for them."""
+    spec = {"file": str(path.resolve())}
+    hellos = describe_file(path)
+    apart = [hello for hello in hellos if isolate is True or hello["name"] in isolate]  # type: ignore[operator]
+    found = [
+        Plugin(hello["name"], BEHAVIORS, f"file {path}", _constant(isolated_class(spec, hello)))
+        for hello in apart
+    ]
+    names = {plugin.name for plugin in found}
+    if len(apart) < len(hellos):
+        found += [plugin for plugin in plugins_in(path) if plugin.name not in names]
+    return found
 
 
 def plugins_in(path: Path) -> list[Plugin]:
@@ -138,13 +163,15 @@ def import_file(path: Path) -> ModuleType:
 
 
 def load_behaviors(
-    names: Sequence[str] | None = None, folders: Iterable[Path | str] = ()
+    names: Sequence[str] | None = None,
+    folders: Iterable[Path | str] = (),
+    isolate: bool | Collection[str] = False,
 ) -> dict[str, type[Behavior]]:
-    """The behavior classes of these names, or all that can be loaded, by name.
+    """The behavior classes of these names, or all that can be loaded, by name. isolate: see `discover`.
 
     Raises: UnknownPluginError, DuplicatePluginError; BrokenPluginError for a broken one asked for by name.
     """
-    catalog = discover(folders)
+    catalog = discover(folders, isolate)
     if names is not None:
         return {name: catalog.find(name).load() for name in names}
     classes: dict[str, type[Behavior]] = {}
@@ -160,14 +187,19 @@ def build_behaviors(
     names: Sequence[str] | None = None,
     folders: Iterable[Path | str] = (),
     configs: Mapping[str, Mapping[str, Any]] | None = None,
+    isolate: bool = False,
 ) -> dict[str, Behavior]:
     """New behaviors by name; `configs`: name -> settings, as a configuration file gives them.
+
+    isolate: whether all that are not tolman's own run in subprocesses; else those with `isolate: true`
+    among their settings. `plugins.isolation.close_all` ends the subprocesses.
 
     Raises: what `load_behaviors` does, ConfigError for a wrong setting, UnknownPluginError for settings of
     a behavior that is not there.
     """
-    classes = load_behaviors(names, folders)
-    settings = dict(configs or {})
+    settings = {name: dict(values) for name, values in (configs or {}).items()}
+    apart = {name for name, values in settings.items() if values.pop("isolate", False)}
+    classes = load_behaviors(names, folders, isolate or apart)
     for name in settings:
         if name not in classes:
             raise UnknownPluginError(
@@ -187,8 +219,13 @@ def _origin(entry: EntryPoint) -> str:
     return f"{distribution} ({entry.value})"
 
 
-def _entry_loader(entry: EntryPoint, group: str) -> Callable[[], type[Any]]:
+def _entry_loader(entry: EntryPoint, group: str, isolate: bool | Collection[str]) -> Callable[[], type[Any]]:
+    foreign = entry.dist is None or entry.dist.name != "tolman"
+    chosen = isolate is True or (not isinstance(isolate, bool) and entry.name in isolate)
+
     def load() -> type[Any]:
+        if group == BEHAVIORS and foreign and chosen:
+            return _isolated_entry(entry)
         try:
             value = entry.load()
         except Exception as fault:
@@ -206,6 +243,13 @@ def _entry_loader(entry: EntryPoint, group: str) -> Callable[[], type[Any]]:
         return cls
 
     return load
+
+
+def _isolated_entry(entry: EntryPoint) -> type[Any]:
+    child = Subprocess({"name": entry.name})
+    hello = child.hello[0]
+    child.kill()
+    return isolated_class({"entry": entry.value}, hello)
 
 
 def _constant(value: type[Any]) -> Callable[[], type[Any]]:

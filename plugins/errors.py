@@ -17,3 +17,7 @@ class DuplicatePluginError(PluginError, ValueError):
 
 class BrokenPluginError(PluginError, ImportError):
     """A plugin that cannot be imported or is not what it says it is."""
+
+
+class IsolationError(PluginError, RuntimeError):
+    """A plugin's subprocess ended, hangs, or sends what it must not."""
