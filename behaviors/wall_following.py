@@ -86,6 +86,7 @@ class WallFollowing(Behavior):
         self._misses = 0
         self._remaining = 0.0
         self._turned = 0.0
+        self._searching = self._swung = False
         self._settled = False
         self._front: list[float] = []
 
@@ -148,6 +149,7 @@ class WallFollowing(Behavior):
         front = view.front_wall()
         if front is not None and front[0] <= self.config.distance:
             self._remaining = front[1]
+            self._searching = True
             self.fire("meet_wall")
             return STOP
         wall = view.side_wall()
@@ -222,6 +224,7 @@ class WallFollowing(Behavior):
         if abs(self._remaining) > 0.004 and not self._parallel_already(view):
             return self._spin(self._remaining)
         self._turned = 0.0
+        self._swung = self.state is Following.CONCAVE
         self._leg = 0.0
         self._misses = 0
         self._front.clear()
@@ -234,7 +237,9 @@ class WallFollowing(Behavior):
         if self.state is not Following.CONCAVE or self._turned < 0.3 or self._remaining < 0.25:
             return False
         wall = view.side_wall()
-        return wall is not None and wall[1] > -0.02 and wall[0] < self.config.distance + 0.015
+        if wall is None or view.front_wall() is not None:
+            return False
+        return wall[1] > -0.02 and wall[0] < self.config.distance + 0.015
 
     # --- parts of states -----------------------------------------------------------------------------
 
@@ -254,8 +259,14 @@ class WallFollowing(Behavior):
             self._remaining = across
         self._front.clear()
         self.fire("wall_ahead")
-        self._arrive("concave", context)
+        if not self._still_turning():
+            self._arrive("concave", context)
         return True
+
+    def _still_turning(self) -> bool:
+        """Whether the wall ahead is the one it has just turned away from, and that was not enough."""
+        askew = abs(self._remaining - 0.5 * math.pi) > 0.3
+        return self._swung and self._path < 0.01 and (self._searching or askew)
 
     def _meet(self, wall: tuple[float, float]) -> None:
         self._filter = WallFilter(wall[0], wall[1], 0.03)
@@ -267,7 +278,7 @@ class WallFollowing(Behavior):
     def _arrive(self, kind: str, context: Context) -> None:
         """Says that a corner is reached, with the direction of the wall just followed."""
         self._publish_wall(context)
-        self._settled = False
+        self._settled = self._searching = False
         path, self._path = self._path, 0.0
         self.emit(
             CornerReached(
