@@ -179,7 +179,8 @@ class LocalExploration(Behavior):
                 return path[0]
             self._queue.pop(0)
             self._given_up += 1
-        path = self._rigid.way_back(self._here, self._rigid.center if self._scanned else self._lookout())
+        home = self._rigid.center if self._scanned else self._lookout()
+        path = self._rigid.path(self._here, home) or self._rigid.way_back(self._here, home)
         return path[0] if path else None
 
     def _lookout(self) -> Cell:

@@ -27,7 +27,8 @@ _CORNER = 0.008
 class PositionCorrectionConfig:
     """Settings of the position correction.
 
-    back_off: how far to go back along the wall at most (m). speed: steps/s. margin: free space (m) to leave behind.
+    back_off: how far to go back along the wall at most (m). speed: steps/s. margin: free space (m) to leave
+    behind.
     samples: ticks of standing still to measure the wall's direction. turn_speed: steps/s.
     tolerance: how much farther than expected the corner may be (m).
     """
@@ -170,7 +171,9 @@ class PositionCorrection(Behavior):
     def _begin_follow(self, context: Context) -> None:
         assert self._goal is not None
         self._follower.reset()
-        self._follower.on_start(Follow(self._goal.side, FollowFrom.WALL), context)
+        beside = self._view is not None and self._view.side < self._follower.config.lost_range
+        start = FollowFrom.WALL if beside else FollowFrom.GAP
+        self._follower.on_start(Follow(self._goal.side, start), context)
 
     def _follow(self, percept: Percept, context: Context) -> Proposal:
         assert self._goal is not None
