@@ -91,8 +91,18 @@ def run_mapping(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         result["estimates"] = {str(node): list(place) for node, place in lap.estimates.items()}
         result["trained"] = getattr(run, "trained", [])
         result["closing"] = _closing(run)
+        result["views"] = _views(run)
     os.replace(growing, path)
     return result
+
+
+def _views(run: MappingRun) -> list[list[float]]:
+    """By node: how far its first view was from node 0's perceptual SOM (in D_a), and it from node 0 (m)."""
+    mapper = run.mapper
+    if not isinstance(mapper, ThesisMapper):
+        return []
+    home = run.truth[0]
+    return [[ratio, run.truth[node].distance_to(home)] for node, ratio in sorted(mapper.ratios.items())]
 
 
 def _closing(run: MappingRun) -> dict[str, str]:

@@ -1,7 +1,7 @@
-"""What an experiment watches in a mapping run: laps, path integration, local exploration, views, SOM training.
+"""What an experiment watches in a mapping run: laps, path integration, local exploration, SOM training.
 
-Probes know the truth. They only look on, but for the lap's: profile `thesis` cannot tell that it has been round
-without local maps, so the experiment ends its run after a lap.
+Probes know the truth. They only look on, but for the lap's: profile `thesis` cannot tell that it has been
+round without local maps, so the experiment ends its run after a lap.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ class LapProbe:
 class ExplorationProbe:
     """Errors left by exploring a local map: true position (m) and heading (rad) before and after it.
 
-    after: when local exploration is over; docked: when the node is complete, corrected if the profile does so.
+    after: when local exploration is over; docked: when the node is complete, corrected if the profile does.
     """
 
     def __init__(self, run: MappingRun) -> None:

@@ -18,7 +18,6 @@ from ..agent import Agent
 from ..agent.events import NodePassed
 from ..agent.navigation import LocalNavigator, Navigator
 from ..agent.thesis_navigation import Correction, ThesisNavigator
-from ..maps.errors import MapError
 from ..maps.hybrid_map import Arc, HybridMap
 from ..world import World
 from ..world.robot import Pose, wrap_angle
@@ -38,7 +37,7 @@ _TIME_PER_METER, _TIME_AT_NODE = 150.0, 900.0
 
 
 def traversal_job(map_job: Job, seed: int, *, corrected: bool) -> Job:
-    """A traversal run over the map of a mapping job. corrected: by views, local maps driven (4.14 to 4.16)."""
+    """A traversal run over the map of a mapping job. corrected: local maps are driven too (4.14 to 4.16)."""
     settings = {f"map {name}": value for name, value in map_job.settings.items()}
     return Job({"kind": "traverse", "seed": seed, "corrected": corrected, **settings})
 
@@ -74,7 +73,10 @@ def run_traversal(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 
 @dataclass(slots=True)
 class Scores:
-    """What was measured. before, after, headings: at each node, uncorrected, corrected; ends: by traversal."""
+    """What was measured. before, after, headings: at each node; ends: of the traversals.
+
+    corrections: node, where it truly was (x, y) and where the views said (x, y), m, the node's true frame.
+    """
 
     before: list[float] = field(default_factory=list)
     after: list[float] = field(default_factory=list)
@@ -105,6 +107,7 @@ class TraversalRun:
         self.scores = Scores()
         self.lost = ""
         self._local: LocalNavigator | None = None
+        self._arrived_at = Pose()
         self.agent.bus.subscribe(NodePassed, self._on_passed)
         if isinstance(self.navigator, ThesisNavigator):
             self.navigator.on_corrected = self._on_corrected
@@ -147,6 +150,8 @@ class TraversalRun:
                 return False
             if not isinstance(self.navigator, ThesisNavigator):
                 self._note_after(arc.end)
+                here = self._arrived_at
+                self.scores.corrections.append([float(arc.end), here.x, here.y, 0.0, 0.0])
             if self.lost:
                 return False
             if local and index % 2 == 0:
@@ -197,13 +202,14 @@ class TraversalRun:
     def _on_passed(self, event: NodePassed) -> None:
         error = self._error(event.node)
         self.scores.before.append(error)
+        self._arrived_at = self.truth[event.node].relative(self.world.true_pose())
         if error > LOST_BEYOND and not self.lost:
             self.lost = f"{100 * error:.0f} cm from node {event.node}, where it says it is"
 
     def _on_corrected(self, correction: Correction) -> None:
         self._note_after(correction.node)
-        x, y = correction.place
-        self.scores.corrections.append([float(correction.node), x, y])
+        here = self._arrived_at
+        self.scores.corrections.append([float(correction.node), here.x, here.y, *correction.place])
 
     def _note_after(self, node: int) -> None:
         pose, place = self.world.true_pose(), self.truth[node]
@@ -229,6 +235,7 @@ class TraversalRun:
             "corrections": scores.corrections[:200],
             "local_units": scores.local_units,
             "local_reached": scores.local_reached,
+            "local_share": scores.local_reached / scores.local_units if scores.local_units else None,
             "collisions": self.world.collisions(),
             "sim_time_s": self.world.time,
         }

@@ -1,0 +1,257 @@
+"""The tables of chapter 4 as data: what of the runs each figure is made of."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import numpy as np
+
+from .campaign import Result
+from .experiment_plan import CORRECTED, GLOBAL, LOCAL, REFERENCE, UNCORRECTED, Outcome
+from .experiment_rows import Figure, Share, Table, Values
+
+
+def of_runs(
+    kind: str, name: str, scale: float = 1.0, *, only: Callable[[Result], bool] | None = None
+) -> Values:
+    """A value of each run that got round (`finished`), or that passes `only`."""
+
+    def values(outcome: Outcome, world: str, profile: str) -> list[float]:
+        keep = only or (lambda result: bool(result.get("finished", True)))
+        chosen = [result[name] for result in outcome.of(kind, world, profile) if keep(result)]
+        return [scale * float(value) for value in chosen if value is not None]
+
+    return values
+
+
+def of_nodes(kind: str, name: str, scale: float, column: int | None = None) -> Values:
+    """A list's values of all runs together; one column of it where it holds pairs."""
+
+    def values(outcome: Outcome, world: str, profile: str) -> list[float]:
+        lists = (result[name] for result in outcome.of(kind, world, profile))
+        return [scale * float(item if column is None else item[column]) for items in lists for item in items]
+
+    return values
+
+
+def percentile(inner: Values, percent: float) -> Values:
+    """One percentile of other values, as a single value."""
+
+    def values(outcome: Outcome, world: str, profile: str) -> list[float]:
+        found = inner(outcome, world, profile)
+        return [float(np.percentile(found, percent))] if found else []
+
+    return values
+
+
+def counted(kind: str, test: Callable[[Result], bool]) -> Share:
+    """How many runs of a kind pass a test."""
+
+    def share_of(outcome: Outcome, world: str, profile: str) -> tuple[int, int]:
+        results = outcome.of(kind, world, profile)
+        return sum(map(test, results)), len(results)
+
+    return share_of
+
+
+def off_reference(kind: str) -> Values:
+    """Distance round (cm) against that of the noise-free run on the same side, as table 4.2 was published."""
+
+    def values(outcome: Outcome, world: str, profile: str) -> list[float]:
+        lengths = {
+            str(job.settings["side"]): float(result["loop_distance_m"])
+            for job, result in _pairs(outcome, (REFERENCE, world, profile))
+        }
+        return [
+            100 * abs(float(result["loop_distance_m"]) - lengths[str(job.settings["side"])])
+            for job, result in _pairs(outcome, (kind, world, profile))
+            if result["finished"] and str(job.settings["side"]) in lengths
+        ]
+
+    return values
+
+
+def _pairs(outcome: Outcome, key: tuple[str, str, str]) -> Iterable[tuple[Any, Result]]:
+    return zip(outcome.jobs.get(key, []), outcome.results.get(key, []), strict=True)
+
+
+def _closed(result: Result, outcome: str) -> bool:
+    """How profile `default` closed its loop."""
+    found = {True: "right", False: "wrong", None: "missed"}[result["loop_correct"]]
+    return found == outcome
+
+
+_ERROR = ("position error, mean", "position error, least", "position error, greatest")
+_END = ("distance error, mean", "distance error, least", "distance error, greatest")
+_DEGREES = 180.0 / math.pi
+
+
+def _round_trip(kind: str) -> tuple[Figure, ...]:
+    return (
+        Figure("position error", "cm", of_runs(kind, "position_error_m", 100), published=_ERROR),
+        Figure("distance against the noise-free run", "cm", off_reference(kind), published=_ERROR),
+        Figure("largest error of an arc", "cm", of_runs(kind, "largest_arc_error_m", 100)),
+        Figure(
+            "true distance round",
+            "cm",
+            of_runs(kind, "true_loop_distance_m", 100),
+            published=("true loop", "", ""),
+        ),
+        Figure("nodes", "", of_runs(kind, "nodes")),
+        Figure(
+            "got round", "runs", counted=counted(kind, lambda result: bool(result["finished"])), wanted=1.0
+        ),
+    )
+
+
+def _thresholds() -> tuple[Figure, ...]:
+    return tuple(
+        Figure(
+            f"{name}, {what}",
+            "runs",
+            counted=counted(LOCAL, lambda r, name=name, what=what: r["closing"].get(name, "missed") == what),
+            published=(f"{name}, {what}", "", ""),
+            only="thesis",
+        )
+        for name in ("T1", "T2", "T3")
+        for what in ("right", "wrong", "missed")
+    )
+
+
+TABLES = (
+    Table("4.2", "Global maps alone: distance once round", _round_trip(GLOBAL)),
+    Table(
+        "4.3",
+        "Path integration: error after one loop",
+        (
+            Figure(
+                "path integration error",
+                "cm",
+                of_runs(GLOBAL, "path_integration_error_m", 100),
+                published=_ERROR,
+            ),
+        ),
+    ),
+    Table(
+        "4.5",
+        "Local maps: error after exploring one",
+        (
+            Figure(
+                "position error after exploring", "cm", of_nodes(LOCAL, "explored", 100, 0), published=_ERROR
+            ),
+            Figure(
+                "heading error after exploring",
+                "deg",
+                of_nodes(LOCAL, "explored", _DEGREES, 1),
+                published=("heading error, mean", "heading error, least", "heading error, greatest"),
+            ),
+            Figure("position error when driving on", "cm", of_nodes(LOCAL, "docked", 100, 0)),
+            Figure("heading error when driving on", "deg", of_nodes(LOCAL, "docked", _DEGREES, 1)),
+            Figure("local maps", "", of_runs(LOCAL, "local_maps"), published=("local maps, mean", "", "")),
+        ),
+    ),
+    Table("4.6", "Global maps with local maps: distance once round", _round_trip(LOCAL)),
+    Table(
+        "4.12",
+        "Five traversals, not corrected by views",
+        (
+            Figure(
+                "position error at the end",
+                "cm",
+                of_runs(UNCORRECTED, "end_error_m", 100),
+                published=_END,
+            ),
+            Figure("growth a traversal", "cm", of_runs(UNCORRECTED, "slope_m", 100)),
+            Figure("driven to the end", "runs", counted=counted(UNCORRECTED, lambda r: bool(r["driven"]))),
+            Figure("never lost", "runs", counted=counted(UNCORRECTED, lambda r: bool(r["completed"]))),
+        ),
+    ),
+    Table(
+        "4.14",
+        "Five traversals, corrected: runs completed",
+        (
+            Figure(
+                "completed",
+                "runs",
+                counted=counted(CORRECTED, lambda r: bool(r["completed"])),
+                published=("completed", "", ""),
+                wanted=1.0,
+            ),
+        ),
+    ),
+    Table(
+        "4.15",
+        "Five traversals, corrected: error at the end of the runs completed",
+        (
+            Figure(
+                "position error at the end",
+                "cm",
+                of_runs(CORRECTED, "end_error_m", 100, only=lambda r: bool(r["completed"])),
+                published=_END,
+            ),
+        ),
+    ),
+    Table(
+        "4.16",
+        "Position correction at the nodes",
+        (
+            Figure(
+                "position error before correction",
+                "cm",
+                of_nodes(CORRECTED, "before", 100),
+                published=("before correction, mean", "", ""),
+            ),
+            Figure(
+                "position error after correction",
+                "cm",
+                of_nodes(CORRECTED, "after", 100),
+                published=("after correction, mean", "", ""),
+            ),
+            Figure(
+                "heading error on local entry",
+                "deg",
+                of_nodes(CORRECTED, "headings", _DEGREES),
+                published=("heading error, mean", "", ""),
+            ),
+            Figure(
+                "heading error, 95th percentile",
+                "deg",
+                percentile(of_nodes(CORRECTED, "headings", _DEGREES), 95),
+            ),
+            Figure(
+                "units of local maps reached",
+                "%",
+                of_runs(CORRECTED, "local_share", 100),
+            ),
+        ),
+    ),
+    Table(
+        "4.18",
+        "Loop closing",
+        (
+            *_thresholds(),
+            Figure(
+                "corners, right",
+                "runs",
+                counted=counted(LOCAL, lambda r: _closed(r, "right")),
+                wanted=1.0,
+                only="default",
+            ),
+            Figure(
+                "corners, wrong",
+                "runs",
+                counted=counted(LOCAL, lambda r: _closed(r, "wrong")),
+                only="default",
+            ),
+            Figure(
+                "corners, missed",
+                "runs",
+                counted=counted(LOCAL, lambda r: _closed(r, "missed")),
+                only="default",
+            ),
+        ),
+    ),
+)
+"""The tables whose rows have an environment each; 4.10 is made by `experiment_training`."""
