@@ -170,6 +170,18 @@ def test_a_damaged_map_is_refused(mapped: tuple[Path, Outcome], tmp_path: Path, 
         refused(outcome, "damaged.tolman")
 
 
+def test_validate_says_what_is_wrong_and_saves_the_rest(mapped: tuple[Path, Outcome], tmp_path: Path) -> None:
+    assert tolman("validate", mapped[0], "--json").json["problems"] == []
+    damaged, saved = tmp_path / "damaged.tolman", tmp_path / "saved.tolman"
+    damaged.write_bytes(DAMAGES["altered"](mapped[0].read_bytes()))
+    found = tolman("validate", damaged)
+    assert found.status == 1
+    assert "checksum" in found.out
+    assert tolman("validate", damaged, "--recover", saved, "--json").json["savable_nodes"] == 2
+    assert tolman("info", saved, "--json").json["nodes"] == 2
+    refused(tolman("validate", damaged, "--recover", saved), "exists", "--force")
+
+
 def test_a_missing_map_is_refused(tmp_path: Path) -> None:
     for outcome in readers(tmp_path / "nowhere.tolman", tmp_path):
         refused(outcome, "nowhere.tolman")
