@@ -64,7 +64,7 @@ class Guest(Behavior):
         if misdeed == "hang":
             while True: pass
         if misdeed == "leak":
-            self.kept = [bytearray(1 << 26) for _ in range(64)]
+            self.kept = bytearray(1 << 33)
         if misdeed == "look":
             data = {"sum": float(context.look().sum())}
             context.publish(PluginEvent(time=context.time, name="seen", data=data))
@@ -130,7 +130,7 @@ def test_it_hears_events_looks_publishes_and_finishes(guest: Make) -> None:
     ],
 )
 def test_whatever_it_does_costs_one_tick_and_it_is_back(
-    guest, misdeed: str, said: str, monkeypatch: pytest.MonkeyPatch
+    guest: Make, misdeed: str, said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("tolman.plugins.isolation.ANSWER_TIMEOUT", 0.3 if misdeed == "hang" else 10.0)
     agent, robot, heard = run(guest(misdeed=misdeed, speed=150.0), 5, goal="kept")
