@@ -57,6 +57,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--figure", type=picture, metavar="PNG", help="also draw the map (.png, .svg or .pdf)"
     )
+    parser.add_argument(
+        "--record", type=Path, metavar="RUN", help="record the run, for `tolman replay` and `tolman explain`"
+    )
     add_simulation(parser)
 
 
@@ -71,6 +74,8 @@ def check(options: argparse.Namespace) -> None:
     )
     if options.figure is not None:
         check_output(options.figure, replace=True)
+    if options.record is not None:
+        check_output(options.record, replace=options.force)
     if options.config is not None:
         check_input(options.config, "file of settings")
 
@@ -91,6 +96,7 @@ def run(options: argparse.Namespace) -> int:
         start=options.start,
         resume=options.resume,
         force=options.force,
+        record=options.record,
         seed=options.seed,
         noise=options.noise,
         noise_scale=options.noise_scale,

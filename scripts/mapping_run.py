@@ -21,6 +21,7 @@ from ..world import World
 from ..world.robot import Pose
 from .cli_output import plain
 from .profiles import AnyMapper, Profile, find_profile, make_mapper
+from .record_run import recorded
 from .requests import MapReport, MapRequest, Progress, SessionError
 from .truth import node_truth, run_truth
 from .wiring import load_settings, make_agent, make_world
@@ -42,7 +43,8 @@ def map_world(request: MapRequest, progress: Callable[[Progress], None] = lambda
     try:
         with open_map_file(request, world) as file:
             run = MappingRun(request, world, file, settings, profile, progress)
-            run.drive()
+            with recorded(request.record, "map", request, run.agent, world):
+                run.drive()
             return run.report()
     finally:
         world.close()

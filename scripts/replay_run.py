@@ -19,27 +19,11 @@ from .mapping_run import MappingRun, open_map_file
 from .mission_requests import MissionRequest
 from .mission_session import MissionSession
 from .profiles import find_profile
-from .record_run import recorded
-from .requests import MapReport, MapRequest, Progress
-from .wiring import load_settings, make_world
+from .requests import MapRequest, Progress
 
 
 def _silent(progress: Progress) -> None:
     """Tells nobody."""
-
-
-def record_mapping(request: MapRequest, path: Path) -> MapReport:
-    """Maps a world as `map_world` does, and records the run. Returns the mapping's report."""
-    settings = load_settings(request.config)
-    world = make_world(request, request.world, settings, request.start or request.side)
-    try:
-        with open_map_file(request, world) as file:
-            run = MappingRun(request, world, file, settings, find_profile(request.profile), _silent)
-            with recorded(path, "map", request, run.agent, world):
-                run.drive()
-            return run.report()
-    finally:
-        world.close()
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +60,13 @@ def replay(path: Path) -> ReplayReport:
 
 def _replay_mapping(recording: Recording, world: ReplayWorld, folder: Path) -> None:
     values = _common(dict(recording.header["request"]), MapRequest)
-    values |= {"output": folder / "replayed.tolman", "resume": False, "force": False, "start": None}
+    values |= {
+        "output": folder / "replayed.tolman",
+        "resume": False,
+        "force": False,
+        "start": None,
+        "record": None,
+    }
     request = MapRequest(**values)
     stage = cast(World, world)
     with open_map_file(request, stage) as file:

@@ -44,7 +44,10 @@ class Simulation:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MapRequest(Simulation):
-    """A mapping. See `tolman map --help` for what each means; max_time in simulated seconds."""
+    """A mapping. See `tolman map --help` for what each means; max_time in simulated seconds.
+
+    record: a file to record the run in, for replay.
+    """
 
     world: str
     output: Path
@@ -56,6 +59,7 @@ class MapRequest(Simulation):
     start: Pose | None = None
     resume: bool = False
     force: bool = False
+    record: Path | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
