@@ -54,8 +54,8 @@ class DartWorld(SimulatedWorld):
             self._world.addSkeleton(skeleton)
         for robot, pose in zip(self._robots, self._poses, strict=True):
             robot.put(pose.x, pose.y, pose.heading)
-        self._nearby = Nearby(self._world, self.spec.shapes, [movable.box for movable in self.spec.movable])
-        self._nearby.follow(self._places())
+        self.nearby = Nearby(self._world, self.spec.shapes, [movable.box for movable in self.spec.movable])
+        self.nearby.follow(self._places())
 
     def _advance(self, speeds: Sequence[tuple[float, float]]) -> None:
         for robot, (left, right) in zip(self._robots, speeds, strict=True):
@@ -66,7 +66,7 @@ class DartWorld(SimulatedWorld):
                 robot.before_step()
             step(False)
         self._movable_poses = [self._box_pose(index) for index in range(len(self._boxes))]
-        self._nearby.follow(self._places())
+        self.nearby.follow(self._places())
 
     def _read(self, index: int) -> Pose:
         x, y, rise, heading, upright = self._robots[index].read()
@@ -89,11 +89,11 @@ class DartWorld(SimulatedWorld):
     def _put(self, index: int, pose: Pose) -> None:
         self._robots[index].put(pose.x, pose.y, pose.heading)
         self._poses[index] = pose
-        self._nearby.follow(self._places())
+        self.nearby.follow(self._places())
 
     def _bodies(self) -> Any:
         return {
-            "near": self._nearby.anchors,
+            "near": self.nearby.anchors,
             "bodies": [
                 [body.getPositions().tolist(), body.getVelocities().tolist()] for body in self._skeletons
             ],
@@ -103,7 +103,7 @@ class DartWorld(SimulatedWorld):
         for skeleton, (positions, velocities) in zip(self._skeletons, bodies["bodies"], strict=True):
             skeleton.setPositions(positions)
             skeleton.setVelocities(velocities)
-        self._nearby.gather([(float(x), float(y)) for x, y in bodies["near"]])
+        self.nearby.gather([(float(x), float(y)) for x, y in bodies["near"]])
         self._movable_poses = [self._box_pose(index) for index in range(len(self._boxes))]
 
     def close(self) -> None:
@@ -130,7 +130,7 @@ class Nearby:
         self._high: Floats = np.array([points.max(axis=0) for points in corners]).reshape(-1, 2)
         widest = max((math.hypot(box.width, box.depth) / 2 for box in movable), default=0.0)
         self._reach = self.SLACK + self.REACH + max(0.035, widest)
-        self._kept: list[int] = []
+        self.kept: list[int] = []
         self._skeleton: Any = None
         self.anchors: list[tuple[float, float]] = []
 
@@ -151,9 +151,9 @@ class Nearby:
             gap = np.maximum(np.maximum(self._low - place, place - self._high), 0.0)
             near |= (gap**2).sum(axis=1) < self._reach**2
         kept: list[int] = np.flatnonzero(near).tolist()
-        if kept == self._kept:
+        if kept == self.kept:
             return
-        self._kept = kept
+        self.kept = kept
         if self._skeleton is not None:
             self._world.removeSkeleton(self._skeleton)
         self._skeleton = fixed([self._solids[index] for index in kept]) if kept else None

@@ -24,6 +24,8 @@ TIRE_FRICTION = 0.8
 """What limits the force of the planar model, which has no wheels."""
 CASTER_RADIUS, CASTER_OFFSET = 0.005, 0.028
 WHEEL_MASS = 0.005
+WHEEL_THICKNESS = 1e-6
+"""m; thin, so that the wheels touch the floor a track apart: 10 um turn it 0.06 degrees a turn too far."""
 MASS_HEIGHT = 0.015
 GRAVITY = 9.81
 LIFT = 0.002
@@ -84,7 +86,7 @@ class WheelsBody:
         flat, spin = WHEEL_MASS * self._axle**2 / 4, WHEEL_MASS * self._axle**2 / 2
         _set_inertia(wheel, WHEEL_MASS, (flat, spin, flat), (0.0, 0.0, 0.0))
         on_axle = _placed(0, 0, 0, [[1, 0, 0], [0, 0, -1], [0, 1, 0]])
-        _add_shape(wheel, dartpy.dynamics.CylinderShape(self._axle, 1e-5), on_axle, WHEEL_FRICTION)
+        _add_shape(wheel, dartpy.dynamics.CylinderShape(self._axle, WHEEL_THICKNESS), on_axle, WHEEL_FRICTION)
 
     def drive(self, left: float, right: float) -> None:
         """See `RobotBody.drive`."""

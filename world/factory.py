@@ -23,7 +23,7 @@ def open_world(
     world: str | Path | WorldSpec,
     *,
     seed: int = 0,
-    noise: str | Noise | Mapping[str, float] = "thesis",
+    noise: str | Noise | Mapping[str, float | str] = "thesis",
     noise_scale: float = 1.0,
     model: str = "wheels",
     engine: str = "dart",

@@ -77,7 +77,7 @@ def checked(noise: Noise) -> Noise:
     return noise
 
 
-def resolve_noise(noise: str | Noise | Mapping[str, float], scale: float = 1.0) -> Noise:
+def resolve_noise(noise: str | Noise | Mapping[str, float | str], scale: float = 1.0) -> Noise:
     """The noise meant by a preset's name, by values, or by a mapping: `preset` (optional) and any values.
 
     Raises: WorldError for an unknown preset or value, suggesting the nearest.
@@ -88,14 +88,17 @@ def resolve_noise(noise: str | Noise | Mapping[str, float], scale: float = 1.0) 
         if noise not in PRESETS:
             raise WorldError(f"unknown noise preset {noise!r}; {_hint(noise, PRESETS)}")
         return PRESETS[noise].scaled(scale)
-    values = dict(noise)
-    base = resolve_noise(str(values.pop("preset", "none")))
-    for name, value in values.items():
+    base = resolve_noise(str(noise.get("preset", "none")))
+    values: dict[str, float] = {}
+    for name, value in noise.items():
+        if name == "preset":
+            continue
         if name not in NAMES:
             raise WorldError(f"unknown noise value {name!r}; {_hint(name, NAMES)}")
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise WorldError(f"noise {name} must be a number, not {value!r}")
-    return checked(replace(base, **{name: float(value) for name, value in values.items()})).scaled(scale)
+        values[name] = float(value)
+    return checked(replace(base, **values)).scaled(scale)
 
 
 def _hint(name: str, known: Mapping[str, object] | tuple[str, ...]) -> str:

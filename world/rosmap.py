@@ -70,9 +70,10 @@ def _negate(keys: dict[str, Entry]) -> bool:
 def free_cells(image: Gray, mode: str, occupied_above: float, free_below: float, negate: bool) -> Mask:
     """Which cells (rows, columns), row 0 on top, are known to be free.
 
-    trinary: those whose occupancy is below `free_below`, but not those of the gray that map savers write for
-    unknown: it lies between the old default threshold (0.196) and the new one (0.25). scale: also those in between whose share of the way
-    to `occupied_above` is under a half. raw: those whose value, in percent, is below `free_below`.
+    trinary: those whose occupancy is below `free_below`, but not those of the gray that map savers write
+    for unknown: it lies between the old default threshold (0.196) and the new one (0.25). scale: also those
+    in between whose share of the way to `occupied_above` is under a half. raw: those whose value, in percent,
+    is below `free_below`.
     """
     if mode == "raw":
         percent = np.round(image * 255.0)

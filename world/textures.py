@@ -6,10 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
+from .base import WorldFileError
+from .bitmaps import read_bitmap
 from .spec import Texture
 from .yamlnodes import Entry
 
 PATTERNS = ("stripes", "bars", "checks", "noise", "gradient")
+KEYS = ("pattern", "size", "seed", "low", "high", "rows", "file")
 MAX_SIDE = 512
 """Largest width and height (pixels) of a texture."""
 
@@ -20,9 +23,11 @@ def read_textures(entry: Entry, folder: Path | None) -> tuple[Texture, ...]:
 
 
 def _texture(name: str, entry: Entry, folder: Path | None) -> Texture:
-    keys = entry.mapping(("pattern", "size", "seed", "low", "high", "rows"))
-    if ("pattern" in keys) == ("rows" in keys):
-        raise entry.error("a texture has either 'pattern' or 'rows'")
+    keys = entry.mapping(KEYS)
+    if sum(key in keys for key in ("pattern", "rows", "file")) != 1:
+        raise entry.error("a texture has one of 'pattern', 'rows' and 'file'")
+    if "file" in keys:
+        return _from_file(name, keys["file"], folder)
     if "rows" in keys:
         rows = [tuple(cell.number(0.0, 1.0) for cell in row.items()) for row in keys["rows"].items()]
         if not rows or not rows[0] or len({len(row) for row in rows}) != 1:
@@ -35,6 +40,18 @@ def _texture(name: str, entry: Entry, folder: Path | None) -> Texture:
     high = keys["high"].number(0.0, 1.0) if "high" in keys else 1.0
     seed = keys["seed"].integer(0, 2**31) if "seed" in keys else 0
     return drawn(name, keys["pattern"].one_of(PATTERNS), width, height, low, high, seed)
+
+
+def _from_file(name: str, entry: Entry, folder: Path | None) -> Texture:
+    if folder is None:
+        raise entry.error("bitmaps can only be named in a world file on disk")
+    try:
+        image = read_bitmap(folder / entry.text())
+    except WorldFileError as error:
+        raise entry.error(str(error)) from None
+    if max(image.shape) > MAX_SIDE:
+        raise entry.error(f"{image.shape[1]}x{image.shape[0]} pixels, more than {MAX_SIDE}x{MAX_SIDE}")
+    return Texture(name, tuple(tuple(float(value) for value in row) for row in np.round(image, 6)))
 
 
 def drawn(

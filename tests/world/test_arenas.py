@@ -1,19 +1,13 @@
 from __future__ import annotations
 
-import importlib.util
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 from tolman.world import UnknownWorldError, WorldFileError, built_in_world, built_in_worlds, find_world
 from tolman.world.geometry import Plan
 
-_spec = importlib.util.spec_from_file_location("offset_loop", Path(__file__).with_name("offset_loop.py"))
-assert _spec is not None
-assert _spec.loader is not None
-offset_loop = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(offset_loop)
+from .offset_loop import arc_lengths, boundary_loops, offset
 
 WALL_DISTANCE = 0.057
 TARGETS = {"env1": (4.61, 10, 10), "env2": (9.09, 22, 24), "env3": (9.87, 26, 28)}
@@ -23,32 +17,32 @@ CLOSED = ("env1", "env2", "env3", "env1-mirrored", "room")
 @pytest.mark.parametrize("name", sorted(TARGETS))
 def test_the_loop_of_the_nodes_has_the_published_length(name: str) -> None:
     length, fewest, most = TARGETS[name]
-    (loop,) = offset_loop.boundary_loops(built_in_world(name))
-    nodes = offset_loop.offset(loop, WALL_DISTANCE)
-    assert sum(offset_loop.arc_lengths(nodes)) == pytest.approx(length, rel=0.01)
+    (loop,) = boundary_loops(built_in_world(name))
+    nodes = offset(loop, WALL_DISTANCE)
+    assert sum(arc_lengths(nodes)) == pytest.approx(length, rel=0.01)
     assert fewest <= len(nodes) <= most
 
 
 @pytest.mark.parametrize("name", CLOSED)
 def test_no_arc_is_too_short_to_tell_its_ends_apart(name: str) -> None:
-    (loop,) = offset_loop.boundary_loops(built_in_world(name))
-    assert min(offset_loop.arc_lengths(offset_loop.offset(loop, WALL_DISTANCE))) >= 0.12
+    (loop,) = boundary_loops(built_in_world(name))
+    assert min(arc_lengths(offset(loop, WALL_DISTANCE))) >= 0.12
 
 
 @pytest.mark.parametrize("name", CLOSED)
 def test_passages_are_wide_enough_for_two_wall_distances(name: str) -> None:
     """Every free point of a path that keeps 12.4 cm from all walls hangs together: no gap is below 25 cm."""
     plan = Plan(built_in_world(name).shapes)
-    (loop,) = offset_loop.boundary_loops(built_in_world(name))
-    for x, y in offset_loop.offset(loop, 0.124):
+    (loop,) = boundary_loops(built_in_world(name))
+    for x, y in offset(loop, 0.124):
         assert plan.clearance(x, y) >= 0.124 - 1e-9
 
 
 @pytest.mark.parametrize("name", CLOSED)
 def test_starts_follow_a_straight_wall_12_cm_before_a_corner(name: str) -> None:
     spec = built_in_world(name)
-    (loop,) = offset_loop.boundary_loops(spec)
-    nodes = np.array(offset_loop.offset(loop, WALL_DISTANCE))
+    (loop,) = boundary_loops(spec)
+    nodes = np.array(offset(loop, WALL_DISTANCE))
     plan = Plan(spec.shapes)
     for side, turn in (("right", -math.pi / 2), ("left", math.pi / 2)):
         pose = spec.start(side)
