@@ -87,6 +87,14 @@ def test_the_same_command_gives_the_same_bytes(mapped: tuple[Path, Outcome], tmp
     assert another.read_bytes() != mapped[0].read_bytes()
 
 
+def test_a_recorded_mapping_is_replayed_to_the_bit(mapped: tuple[Path, Outcome], tmp_path: Path) -> None:
+    run, path = tmp_path / "run.mcap", tmp_path / "m.tolman"
+    assert tolman(*QUICK, "-o", path, "--record", run).status == 0
+    assert path.read_bytes() == mapped[0].read_bytes(), "recording changes nothing"
+    assert tolman("replay", run).status == 0
+    refused(tolman(*QUICK, "-o", path, "--force", "--record", tmp_path / "missing" / "run"), "no folder")
+
+
 def test_info_tells_of_the_map_and_leaves_it_alone(mapped: tuple[Path, Outcome]) -> None:
     before = mapped[0].read_bytes()
     values = tolman("info", mapped[0], "--json").json
