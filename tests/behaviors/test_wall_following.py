@@ -99,7 +99,7 @@ def test_each_wall_is_told_before_its_corner_with_its_direction() -> None:
     assert_event_order(told, *[WallMet, CornerReached] * 5)
     for i, event in enumerate(told):
         if isinstance(event, CornerReached):
-            assert abs(wrap_angle(event.heading - told[i - 1].heading)) < math.radians(1.5)  # type: ignore[union-attr]
+            assert abs(wrap_angle(event.heading - told[i - 1].heading)) < math.radians(1.5)
             assert abs(wrap_angle(event.heading - 0.5 * math.pi * round(event.heading / (0.5 * math.pi)))) < (
                 math.radians(1.5)
             )
@@ -117,17 +117,28 @@ starts:
 """
 
 
-def test_slanted_walls_are_followed_and_their_turns_told(tmp_path: Path) -> None:
+def test_slanted_walls_are_followed_corner_by_corner_and_their_turns_told(tmp_path: Path) -> None:
     path = tmp_path / "slanted.yaml"
     path.write_text(SLANTED)
     world = open_world(path, engine="kinematic", noise="none", start="right")
-    follower = Follower(world, "right").until(3)
-    turns, walls = [], [e for e in follower.heard if isinstance(e, WallMet)]
-    for (corner, _), wall in zip(follower.corners, walls[1:], strict=False):
-        turns.append(math.degrees(wrap_angle(wall.heading - corner.heading)))
-    assert [event.kind for event, _ in follower.corners] == ["concave"] * 3
-    assert turns == pytest.approx([90.0, 45.0], abs=3.0)
+    follower = Follower(world, "right").until(8)
+    walls = [event for event in follower.heard if isinstance(event, WallMet)]
+    turns = [
+        math.degrees(wrap_angle(wall.heading - corner.heading))
+        for (corner, _), wall in zip(follower.corners, walls[1:], strict=False)
+    ]
+    assert [event.kind for event, _ in follower.corners[:7]] == ["concave"] * 4 + ["convex"] + ["concave"] * 2
+    assert turns == pytest.approx([90.0, 45.0, 45.0, 141.3, -96.3, 45.0, 90.0], abs=4.0)
+    first, again = follower.corners[0][1], follower.corners[7][1]
+    assert first.distance_to(again) < 0.003
     assert world.collisions() == 0
+
+
+def test_a_wall_come_upon_at_a_slant_is_no_corner() -> None:
+    world = open_world("env1", engine="kinematic", noise="none", start=Pose(0.2, 0.8, 0.5))
+    follower = Follower(world, "right").until(1)
+    pose = follower.corners[0][1]
+    assert math.hypot(pose.x - 0.057, pose.y - 0.943) < 0.003
 
 
 def test_searching_it_drives_on_until_a_wall_is_ahead_then_turns_away_from_it() -> None:
