@@ -1,9 +1,9 @@
 """One traversal run of an experiment: a map driven from its first node to its last and back, five times.
 
-The robot is put at node 0 as the map's own run met it. Each traversal goes once round where the loop was
-closed, else to the last node; every second one goes back. `targets.md`'s definitions: the position error at a
-node is the true distance between the robot and the true place of the node it says it is at; it is lost where
-that is more than 15 cm, or where it gives up.
+The robot is put at the first node as the map's own run met it. Each traversal goes once round where the loop
+was closed, else to the last node; every second one goes back. The position error at a node is the true distance
+between the robot and the true place of the node it says it is at; it is lost where that is more than 15 cm, or
+where it gives up (docs/experiments.md).
 """
 
 from __future__ import annotations
@@ -23,7 +23,6 @@ from ..world import World
 from ..world.robot import Pose, wrap_angle
 from .campaign import Job
 from .experiment_mapping import map_path, run_mapping
-from .map_drawing import chain
 from .profiles import find_profile, make_navigator
 from .requests import Simulation
 from .truth import read_map_truth
@@ -62,9 +61,13 @@ def run_traversal(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         noise=str(settings["map noise"]),
         noise_scale=float(settings["map noise_scale"]),
     )
-    world = make_world(simulation, str(settings["map world"]), {}, truth.nodes[0])
+    arcs = round_of(hybrid_map)
+    first = arcs[0].start if arcs else hybrid_map.nodes()[0]
+    world = make_world(simulation, str(settings["map world"]), {}, truth.nodes[first])
     try:
-        run = TraversalRun(simulation, world, hybrid_map, truth.nodes, corrected=bool(settings["corrected"]))
+        run = TraversalRun(
+            simulation, world, hybrid_map, truth.nodes, first, corrected=bool(settings["corrected"])
+        )
         run.drive()
         return run.result()
     finally:
@@ -96,14 +99,15 @@ class TraversalRun:
         world: World,
         hybrid_map: HybridMap,
         truth: Mapping[int, Pose],
+        first: int,
         *,
         corrected: bool,
     ) -> None:
-        """Wires agent and navigator for a robot that stands at node 0."""
+        """Wires agent and navigator for a robot that stands at node `first`."""
         self.world, self.map, self.truth, self.corrected = world, hybrid_map, truth, corrected
         profile = replace(find_profile(simulation.profile), correct=corrected)
         self.agent: Agent = make_agent(simulation, world, {}, profile=profile)
-        self.navigator = make_navigator(profile, self.agent, hybrid_map, 0, None)
+        self.navigator = make_navigator(profile, self.agent, hybrid_map, first, None)
         self.scores = Scores()
         self.lost = ""
         self._local: LocalNavigator | None = None
@@ -114,7 +118,7 @@ class TraversalRun:
 
     def drive(self) -> None:
         """All traversals, or as many as it takes to get lost (uncorrected: to give up)."""
-        forward = self._round()
+        forward = round_of(self.map)
         for number in range(1, TRAVERSALS + 1):
             arcs = forward if number % 2 else [self._back(arc) for arc in reversed(forward)]
             local = self.corrected and number in LOCAL_IN
@@ -122,13 +126,6 @@ class TraversalRun:
             if not done:
                 return
             self.scores.ends.append(self._error(self.navigator.node))
-
-    def _round(self) -> list[Arc]:
-        """The arcs from the first node once round, or to the last."""
-        nodes, distances = chain(self.map)
-        side = self.map.meta.side
-        ends = nodes[1:] if len(distances) < len(nodes) else [*nodes[1:], nodes[0]]
-        return [self.map.arc(a, b, side) for a, b in zip(nodes, ends, strict=False)]
 
     def _back(self, arc: Arc) -> Arc:
         return self.map.arc(arc.end, arc.start, "left" if arc.kind == "right" else "right")
@@ -239,6 +236,24 @@ class TraversalRun:
             "collisions": self.world.collisions(),
             "sim_time_s": self.world.time,
         }
+
+
+def round_of(hybrid_map: HybridMap) -> list[Arc]:
+    """The arcs once round the loop, in the order of mapping; where none was closed, to the last node.
+
+    A loop closed at another node than the first leaves out what was driven before.
+    """
+    side = hybrid_map.meta.side
+    arcs: list[Arc] = []
+    at = {hybrid_map.nodes()[0]: 0}
+    arc = hybrid_map.next_arc(hybrid_map.nodes()[0], side)
+    while arc is not None:
+        arcs.append(arc)
+        if arc.end in at:
+            return arcs[at[arc.end] :]
+        at[arc.end] = len(arcs)
+        arc = hybrid_map.next_arc(arc.end, side)
+    return arcs
 
 
 def _slope(ends: Sequence[float]) -> float | None:
