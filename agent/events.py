@@ -158,6 +158,13 @@ class NodeReached(Event):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Localized(Event):
+    """The robot, not told where it was, found that it stands at `node`."""
+
+    node: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Lost(Event):
     """The robot no longer knows where it is."""
 

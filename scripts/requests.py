@@ -113,7 +113,11 @@ class MapReport:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GoReport:
-    """How a trip went. position_error_m: true robot to true node, None where the node has no true place."""
+    """How a trip went. position_error_m: true robot to true node, None where the node has no true place.
+
+    localized_node, localized_after_m: for a robot that was not told where it was: where it found out, after
+    driving how far along the boundary.
+    """
 
     reached: bool
     lost: bool
@@ -127,6 +131,8 @@ class GoReport:
     sim_time_s: float
     wall_time_s: float
     seed: int
+    localized_node: int | None = None
+    localized_after_m: float | None = None
 
     def to_json(self) -> dict[str, Any]:
         """The fields as a dict of JSON values."""

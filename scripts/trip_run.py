@@ -7,6 +7,10 @@ import time
 from collections.abc import Callable
 from dataclasses import asdict
 
+import numpy as np
+
+from ..agent import Agent
+from ..agent.localization import Localizer
 from ..maps.hybrid_map import HybridMap
 from ..maps.map_file import Truth, read_truth
 from ..maps.meta import MapMeta
@@ -19,6 +23,8 @@ from .wiring import load_settings, make_agent, make_world
 
 LOST_BEYOND = 0.15
 """Meters from the node it says it is at beyond which a robot is lost."""
+_ANYWHERE = 7
+"""What sets the draw of a start pose apart from the other uses of the seed."""
 TIME_PER_METER = 120.0
 """Simulated seconds that a trip may take for each meter of its arcs, plus 120."""
 
@@ -38,8 +44,12 @@ def go_to(request: GoRequest, progress: Callable[[Progress], None] = lambda prog
     world = make_world(request, world_name, settings, start)
     try:
         agent = make_agent(request, world, settings)
-        navigator = make_navigator(profile, agent, hybrid_map, node, arrival)
-        return _drive(request, world, navigator, goal, truth, progress)
+        trip = Trip(request, world, agent, progress)
+        if node is None:
+            node = trip.localize(hybrid_map)
+        if node is None:
+            return trip.give_up()
+        return trip.drive(make_navigator(profile, agent, hybrid_map, node, arrival), goal, truth)
     finally:
         world.close()
 
@@ -60,9 +70,13 @@ def _world_of(request: GoRequest, meta: MapMeta) -> str:
     return name
 
 
-def _start(request: GoRequest, hybrid_map: HybridMap, truth: Truth) -> tuple[Pose, int, str]:
-    """Where the robot is put, and the node and arrival it is told. Raises: SessionError, MapError."""
+def _start(request: GoRequest, hybrid_map: HybridMap, truth: Truth) -> tuple[Pose, int | None, str]:
+    """Where the robot is put, and the node (None: not told) and arrival. Raises: SessionError, MapError."""
     meta = hybrid_map.meta
+    if request.at is not None:
+        return request.at, None, meta.side
+    if request.lost:
+        return _anywhere(request, hybrid_map, truth), None, meta.side
     if request.origin is not None:
         node = hybrid_map.find(request.origin)
         if node not in truth.nodes:
@@ -73,46 +87,108 @@ def _start(request: GoRequest, hybrid_map: HybridMap, truth: Truth) -> tuple[Pos
     return Pose(*truth.run["pose"]), meta.current_node, meta.arrival or meta.side
 
 
-def _drive(
-    request: GoRequest,
-    world: World,
-    navigator: AnyNavigator,
-    goal: int,
-    truth: Truth,
-    progress: Callable[[Progress], None],
-) -> GoReport:
-    began = time.perf_counter()
-    agent = navigator.agent
-    navigator.go(goal)
-    length = sum(leg.distance for leg in navigator.planned)
-    limit = 120.0 + TIME_PER_METER * length
-    told = 0.0
-    while not navigator.done and world.time < limit:
-        agent.tick()
-        world.step()
-        if world.time - told >= 1.0:
-            told = world.time
-            progress(Progress(told, len(navigator.path), f"on the way to node {goal}"))
-    reason = navigator.reason if navigator.done else f"not there after {limit:.0f} s"
-    pose = world.true_pose()
-    place = Pose(*truth.nodes[goal]["pose"]) if goal in truth.nodes else None
-    error = None if place is None else place.distance_to(pose)
-    turn = None if place is None else math.degrees(abs(wrap_angle(pose.heading - place.heading)))
-    reached = navigator.reached
-    return GoReport(
-        reached=reached,
-        lost=(reached and error is not None and error > LOST_BEYOND) or not reached,
-        reason=reason,
-        path=tuple(navigator.path),
-        legs=tuple(_leg_values(asdict(leg)) for leg in navigator.legs),
-        position_error_m=error,
-        heading_error_deg=turn,
-        distance_m=sum(leg.distance for leg in navigator.legs),
-        collisions=world.collisions(),
-        sim_time_s=world.time,
-        wall_time_s=time.perf_counter() - began,
-        seed=request.seed,
+def _anywhere(request: GoRequest, hybrid_map: HybridMap, truth: Truth) -> Pose:
+    """A place on the mapped boundary, every meter equally likely, with any heading; as the seed says."""
+    arcs = [
+        (Pose(*truth.nodes[arc.start]["pose"]), Pose(*truth.nodes[arc.end]["pose"]))
+        for arc in hybrid_map.arcs()
+        if arc.kind == hybrid_map.meta.side and arc.start in truth.nodes and arc.end in truth.nodes
+    ]
+    if not arcs:
+        raise SessionError(f"{request.map}: the file does not say where its nodes truly are; use --at")
+    rng = np.random.default_rng(np.random.SeedSequence([request.seed, _ANYWHERE]))
+    lengths = np.array([start.distance_to(end) for start, end in arcs])
+    start, end = arcs[int(rng.choice(len(arcs), p=lengths / lengths.sum()))]
+    share = rng.uniform()
+    return Pose(
+        start.x + share * (end.x - start.x),
+        start.y + share * (end.y - start.y),
+        rng.uniform(-math.pi, math.pi),
     )
+
+
+class Trip:
+    """One trip: finding out where it is, if it was not told, and driving."""
+
+    def __init__(
+        self, request: GoRequest, world: World, agent: Agent, progress: Callable[[Progress], None]
+    ) -> None:
+        """At the start; the clock of the computer runs from here."""
+        self.request, self.world, self.agent, self.progress = request, world, agent, progress
+        self._began = time.perf_counter()
+        self._told = 0.0
+        self._localizer: Localizer | None = None
+
+    def localize(self, hybrid_map: HybridMap) -> int | None:
+        """Drives along the boundary until the robot knows where it is; None if it never does."""
+        self._localizer = localizer = Localizer(self.agent, hybrid_map)
+        localizer.begin()
+        limit = 120.0 + 3.0 * TIME_PER_METER * localizer.filter.loop_length
+        self._run(lambda: localizer.done, limit, "finding out where it is")
+        return localizer.node
+
+    def give_up(self) -> GoReport:
+        """The report of a robot that never knew where it was."""
+        assert self._localizer is not None
+        return self._report(
+            reached=False,
+            reason=self._localizer.reason or "found no place of the map in time",
+            path=(),
+            legs=(),
+        )
+
+    def drive(self, navigator: AnyNavigator, goal: int, truth: Truth) -> GoReport:
+        """Drives to the goal and scores where it stops."""
+        navigator.go(goal)
+        limit = 120.0 + TIME_PER_METER * sum(leg.distance for leg in navigator.planned)
+        self._run(lambda: navigator.done, self.world.time + limit, f"on the way to node {goal}")
+        pose = self.world.true_pose()
+        place = Pose(*truth.nodes[goal]["pose"]) if goal in truth.nodes else None
+        return self._report(
+            reached=navigator.reached,
+            reason=navigator.reason if navigator.done else f"not there after {limit:.0f} s",
+            path=tuple(navigator.path),
+            legs=tuple(_leg_values(asdict(leg)) for leg in navigator.legs),
+            error=None if place is None else place.distance_to(pose),
+            turn=None if place is None else math.degrees(abs(wrap_angle(pose.heading - place.heading))),
+        )
+
+    def _run(self, done: Callable[[], bool], limit: float, message: str) -> None:
+        while not done() and self.world.time < limit:
+            self.agent.tick()
+            self.world.step()
+            if self.world.time - self._told >= 1.0:
+                self._told = self.world.time
+                self.progress(Progress(self._told, 0, message))
+
+    def _report(
+        self,
+        *,
+        reached: bool,
+        reason: str,
+        path: tuple[int, ...],
+        legs: tuple[dict[str, object], ...],
+        error: float | None = None,
+        turn: float | None = None,
+    ) -> GoReport:
+        localizer = self._localizer
+        found = localizer is not None and localizer.node is not None
+        return GoReport(
+            reached=reached,
+            lost=not reached or (error is not None and error > LOST_BEYOND),
+            reason=reason,
+            path=path,
+            legs=legs,
+            position_error_m=error,
+            heading_error_deg=turn,
+            distance_m=sum(float(str(leg["distance_m"])) for leg in legs),
+            collisions=self.world.collisions(),
+            sim_time_s=self.world.time,
+            wall_time_s=time.perf_counter() - self._began,
+            seed=self.request.seed,
+            localized_node=localizer.node if localizer is not None else None,
+            localized_after_m=localizer.filter.length if localizer is not None and found else None,
+        )
 
 
 def _leg_values(leg: dict[str, object]) -> dict[str, object]:
