@@ -1,0 +1,120 @@
+"""Joins two maps of the same world into one that knows what either knew."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+
+from .comparing import Comparison, compare
+from .hybrid_map import Arc, HybridMap
+from .local_map import LocalMap, LocalMapContent
+
+
+def merge(one: HybridMap, other: HybridMap, comparison: Comparison | None = None) -> HybridMap:
+    """A new map in the one's frame and numbering: its nodes, the other's further nodes, what both measured.
+
+    An arc both have gets the mean of their distances, weighted by traversals. Where one map has a corner on a
+    stretch that the other drove through, the finer of the two stays. Of two local maps the one's is kept.
+
+    Raises: NoMatchError.
+    """
+    found = compare(one, other) if comparison is None else comparison
+    merged = HybridMap(replace(one.meta, loop_closed=one.meta.loop_closed or other.meta.loop_closed))
+    for node in one.nodes():
+        data = one.graph.nodes[node]
+        merged.graph.add_node(node, **{**data, "notes": dict(data["notes"])})
+    for arc in one.arcs():
+        _put(merged, arc)
+    number = {partner: node for node, partner in found.matched.items()}
+    for partner, node in number.items():
+        if merged.graph.nodes[node]["local_map"] is None:
+            merged.graph.nodes[node]["local_map"] = _turned(other, partner, found.rotation)
+            merged.graph.nodes[node]["entry_heading"] = _heading(other, partner, found.rotation)
+    for partner in found.only_other:
+        number[partner] = _add(merged, one, other, partner, found.rotation)
+    for arc in other.arcs():
+        moved = replace(arc, start=number[arc.start], end=number[arc.end])
+        if merged.graph.has_edge(moved.start, moved.end, moved.kind):
+            _put(merged, _pooled(merged.arc(moved.start, moved.end, moved.kind), moved))
+        elif not _drives_through(merged, moved):
+            _put(merged, moved)
+    _drop_coarse(merged)
+    return merged
+
+
+def _put(merged: HybridMap, arc: Arc) -> None:
+    values = {field.name: getattr(arc, field.name) for field in fields(arc)}
+    start, end, kind = values.pop("start"), values.pop("end"), values.pop("kind")
+    merged.graph.add_edge(start, end, key=kind, **{**values, "notes": dict(arc.notes)})
+
+
+def _pooled(arc: Arc, other: Arc) -> Arc:
+    """Mean and variance of all traversals of both, as if driven in one map."""
+    count = max(1, arc.traversals), max(1, other.traversals)
+    total = count[0] + count[1]
+    mean = (arc.distance * count[0] + other.distance * count[1]) / total
+    spread = sum(
+        n * (known.variance + (known.distance - mean) ** 2)
+        for n, known in zip(count, (arc, other), strict=True)
+    )
+    return replace(
+        arc,
+        distance=mean,
+        variance=spread / total,
+        traversals=arc.traversals + other.traversals,
+        blocked=arc.blocked and other.blocked,
+        notes={**other.notes, **arc.notes},
+    )
+
+
+def _heading(other: HybridMap, partner: int, rotation: float) -> float:
+    return float(other.graph.nodes[partner]["entry_heading"] - rotation)
+
+
+def _turned(other: HybridMap, partner: int, rotation: float) -> LocalMap | None:
+    local = other.local_map(partner)
+    if local is None:
+        return None
+    content = {field.name: getattr(local.content, field.name) for field in fields(LocalMapContent)}
+    return LocalMap(LocalMapContent(**{**content, "entry_heading": local.entry_heading - rotation}))
+
+
+def _add(merged: HybridMap, one: HybridMap, other: HybridMap, partner: int, rotation: float) -> int:
+    data = other.graph.nodes[partner]
+    sign = 1.0 if one.meta.side == other.meta.side else -1.0
+    node = merged.add_node(
+        corner=data["corner"],
+        turn=sign * data["turn"],
+        entry_heading=_heading(other, partner, rotation),
+        local_map=_turned(other, partner, rotation),
+        notes=data["notes"],
+    )
+    names = {entry["name"] for _, entry in merged.graph.nodes(data=True)}
+    if data["name"] != f"n{partner}" and data["name"] not in names:
+        merged.rename(node, data["name"])
+    return node
+
+
+def _drives_through(merged: HybridMap, arc: Arc) -> bool:
+    """Whether the merged map has nodes on the stretch of a wall-following arc already."""
+    if arc.kind == "foray":
+        return False
+    step, seen = merged.next_arc(arc.start, arc.kind), {arc.start}
+    length = 0.0
+    while step is not None and length <= 1.2 * arc.distance:
+        length += step.distance
+        if step.end == arc.end:
+            return True
+        if step.end in seen:
+            return False
+        seen.add(step.end)
+        step = merged.next_arc(step.end, arc.kind)
+    return False
+
+
+def _drop_coarse(merged: HybridMap) -> None:
+    """Where a node has two arcs of the same wall, the longer one drives through a corner: it goes."""
+    for node in merged.nodes():
+        for kind in ("right", "left"):
+            leaving = [arc for arc in merged.leaving(node) if arc.kind == kind]
+            for arc in sorted(leaving, key=lambda arc: arc.distance)[1:]:
+                merged.remove_arc(arc.start, arc.end, kind)
