@@ -1,5 +1,7 @@
 """Self-organizing maps, local maps, the hybrid graph and its storage."""
 
+from .checking import Validation, recover, validate
+from .comparing import Comparison, compare
 from .errors import (
     MapError,
     MapFileDamagedError,
@@ -11,9 +13,12 @@ from .errors import (
     NotTrainedError,
     UnknownNodeError,
 )
+from .exporting import export
 from .hybrid_map import Arc, HybridMap
+from .json_map import read_json
 from .local_map import LocalEstimate, LocalMap, LocalMapConfig
 from .map_file import MapFile, Truth, read_truth
+from .merging import merge
 from .meta import MapMeta
 from .schedules import BatchConfig, OnlineConfig
 from .som import SOM
@@ -22,6 +27,7 @@ __all__ = [
     "SOM",
     "Arc",
     "BatchConfig",
+    "Comparison",
     "HybridMap",
     "LocalEstimate",
     "LocalMap",
@@ -39,5 +45,12 @@ __all__ = [
     "OnlineConfig",
     "Truth",
     "UnknownNodeError",
+    "Validation",
+    "compare",
+    "export",
+    "merge",
+    "read_json",
     "read_truth",
+    "recover",
+    "validate",
 ]
