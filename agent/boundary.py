@@ -120,10 +120,26 @@ class BoundaryTrace:
             gate = config.gate + config.gate_slope * length
             if not square:
                 gate += 0.3 * config.turn_deviation * math.sqrt(last - index) * 0.5
-            distance = here.distance_to(poses[index])
+            distance = here.distance_to(poses[index]) if square else self._gap(index)
             if distance <= gate and (best is None or distance < best[0]):
                 best = (distance, index)
         return None if best is None else best[1]
+
+    def _gap(self, index: int) -> float:
+        """How far (m) the last corner is from `index` if they are one, so that all turns make a full one.
+
+        What the measured turns lack is shared among them, mostly by those that are no quarters: those are
+        the ones that are hard to measure.
+        """
+        turns = [corner.turn or 0.0 for corner in self.corners[index:-1]]
+        shares = [1.0 if abs(turn - _QUARTER * round(turn / _QUARTER)) > 0.1 else 0.1 for turn in turns]
+        lack = (math.copysign(math.tau, sum(turns)) - sum(turns)) / sum(shares)
+        x = y = heading = 0.0
+        for turn, share, corner in zip(turns, shares, self.corners[index + 1 :], strict=True):
+            heading += turn + lack * share
+            x += corner.length * math.cos(heading)
+            y += corner.length * math.sin(heading)
+        return math.hypot(x, y)
 
     def agrees(self, index: int, kind: str, length: float) -> bool:
         """Whether a corner of this kind, `length` m after the one before, can be corner `index`."""
