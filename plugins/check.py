@@ -17,12 +17,21 @@ import numpy as np
 from ..agent.agent import Agent
 from ..agent.behavior import Behavior, check_declarations
 from ..agent.events import BehaviorFaulted, Event
+from ..agent.goals import ExploreLocally, Follow, FollowFrom, GoAlong, GoThrough, Leg, ReturnToCorner
 from ..agent.guard import check_proposal, describe
 from ..agent.ports import Limits
 from ..world.robot import EPUCK, Percept
 from .diagram import edges
 from .testing import FAR, ScriptedRobot, Trial, percept
 
+_EXAMPLES: dict[str, Any] = {
+    "go-to-node": GoAlong((Leg(0, 1, "right", 0.3, "concave", 0.0, FollowFrom.WALL),)),
+    "local-exploration": ExploreLocally(),
+    "local-go-to": GoThrough(((0.05, 0.0), (0.05, 0.05))),
+    "position-correction": ReturnToCorner("right", "concave", 0.3),
+    "wall-following": Follow("right"),
+}
+"""Goals for built-in behaviors that name none themselves."""
 SLOW = 500e-6
 """Seconds that the median `propose` may take."""
 
@@ -61,7 +70,8 @@ class Report:
 
 def check_behavior(cls: type[Behavior], goal: Any = None, *, ticks: int = 300) -> Report:
     """Runs every check on the class and never raises for its faults; goal: None takes its `example_goal`."""
-    goal = goal if goal is not None else cls.example_goal
+    if goal is None:
+        goal = cls.example_goal if cls.example_goal is not None else _EXAMPLES.get(cls.name)
     checks: tuple[tuple[str, Callable[[], Iterator[str]]], ...] = (
         ("declarations", lambda: _declarations(cls)),
         ("documentation", lambda: _documentation(cls)),
@@ -113,7 +123,8 @@ def _documentation(cls: type[Behavior]) -> Iterator[str]:
         yield "States has no docstring: say what each state means"
     described = cls.Config.__doc__ or ""
     for each in fields(cls.Config):
-        if each.name not in described:
+        plural = f"{each.name.rpartition('_')[2]}s"  # `speeds: steps/s` tells of several
+        if each.name not in described and plural not in described:
             yield f"the setting {each.name!r} is not in the docstring of {cls.Config.__name__}: give its unit"
 
 

@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import random
+import subprocess
+import sys
 import time
 from enum import Enum
 from typing import Any, ClassVar
@@ -8,10 +10,11 @@ from typing import Any, ClassVar
 import pytest
 from tolman.agent import Behavior, Context, Proposal, Transition
 from tolman.agent.events import Lost
-from tolman.behaviors.obstacle_avoidance import ObstacleAvoidance
-from tolman.behaviors.wander import Wander
+from tolman.plugins import load_behaviors
 from tolman.plugins.check import check_behavior
 from tolman.world.robot import Percept, WheelCommand
+
+BUILT_IN = load_behaviors()
 
 
 class Good(Behavior):
@@ -129,10 +132,21 @@ def test_each_kind_of_fault_is_found_and_what_to_mend_is_said(
     assert f"MEND {check}" in report.text()
 
 
-@pytest.mark.parametrize("cls", [ObstacleAvoidance, Wander])
-def test_the_built_in_behaviors_conform(cls: type[Behavior]) -> None:
-    report = check_behavior(cls)
+@pytest.mark.parametrize("name", sorted(BUILT_IN))
+def test_a_built_in_behavior_conforms(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tolman.plugins.check.SLOW", 1.0)  # no verdict by the clock of a busy machine
+    monkeypatch.setattr("tolman.plugins.check._no_simulator", lambda cls: iter(()))
+    report = check_behavior(BUILT_IN[name], ticks=150)
     assert report.passed, report.text()
+
+
+def test_no_built_in_behavior_loads_a_simulator() -> None:
+    code = (
+        "import sys\nfrom tolman.plugins import load_behaviors\nload_behaviors()\n"
+        "print([m for m in ('dartpy', 'embreex', 'matplotlib', 'yaml') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
 
 
 def test_a_goal_that_is_refused_is_a_finding(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -28,7 +28,8 @@ def environment(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
         str(site),
         str(source),
     ]
-    done = subprocess.run([sys.executable, *install, str(source)], capture_output=True, text=True, check=False)
+    command = [sys.executable, *install]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     values = {key: value for key, value in os.environ.items() if not key.startswith("PYTEST")}
     return values | {"PYTHONPATH": str(site)}

@@ -1,4 +1,4 @@
-# ruff: noqa: D
+# ruff: noqa: D100, D103
 
 from tolman.agent import Agent
 from tolman.agent.events import BehaviorFinished, ControlChanged, Event

@@ -1,0 +1,44 @@
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from tolman.agent.mission_dry_run import dry_run
+from tolman.agent.missions import Mission
+from tolman.scripts.draw_behaviors import built_in
+
+DOCS = Path(__file__).parents[2] / "docs"
+PYTHON = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+YAML = re.compile(r"^```yaml\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+@pytest.mark.parametrize("code", PYTHON.findall((DOCS / "plugins-testing.md").read_text()))
+def test_every_example_of_the_test_kit_runs(code: str) -> None:
+    exec(compile(code, "plugins-testing.md", "exec"), {"__name__": "example"})
+
+
+def test_the_two_missions_of_the_docs_say_the_same(tmp_path: Path) -> None:
+    text = (DOCS / "missions.md").read_text()
+    plans = []
+    for suffix, pattern in ((".py", PYTHON), (".yaml", YAML)):
+        path = tmp_path / f"mission{suffix}"
+        path.write_text(pattern.findall(text)[0])
+        plans.append(dry_run(Mission.load(path)))
+    assert plans[0].problems == plans[1].problems == []
+    assert plans[0].lines[:2] == plans[1].lines[:2] == ["Explore(side='left')", "Save(path='a.tolman')"]
+
+
+def test_every_step_is_in_the_docs() -> None:
+    from tolman.agent import mission_steps
+
+    text = (DOCS / "missions.md").read_text()
+    steps = [name for name, value in vars(mission_steps).items() if isinstance(value, type)]
+    kinds = [name for name in steps if issubclass(getattr(mission_steps, name), mission_steps.Step)]
+    assert [name for name in kinds if name != "Step" and f"`{name}(" not in text] == []
+
+
+def test_every_built_in_behavior_is_in_the_docs_with_its_diagram() -> None:
+    text = (DOCS / "behaviors.md").read_text()
+    missing = [cls.name for cls in built_in() if f"## {cls.name} (priority {cls.priority})" not in text]
+    assert missing == []
