@@ -67,7 +67,7 @@ def visit(path: Path, nodes: Sequence[int], seed: int) -> list[bool]:
         if trip["reached"]:
             print(
                 f"reached node {node} by {'-'.join(map(str, trip['path']))}, {trip['distance_m']:.2f} m: "
-                f"stopped {100 * trip['position_error_m']:.1f} cm from where the node truly is"
+                f"stopped {100 * trip['position_error_m']:.2f} cm from where the node truly is"
             )
             start = ("--from", str(node))
         else:
