@@ -24,6 +24,7 @@ TYPICAL_LENGTH = 0.4
 
 WORST_LENGTH = -6.0
 SKIP = -3.0
+MOST_RIVALS = 8
 MOST_CELLS = 1_000_000
 MOST_SKIPPED = 2
 """Nodes that may be missing on either side between two pairs."""
@@ -41,15 +42,15 @@ class Alignment:
         return len(set(self.pairs) & set(other.pairs)) / max(1, min(len(self.pairs), len(other.pairs)))
 
 
-def align(one: Boundary, other: Boundary) -> tuple[Alignment, Alignment]:
-    """The best alignment and the best of those that agree with less than half of it."""
-    ranked = _all_alignments(one, other)
-    nothing = Alignment((), 0.0)
-    if not ranked:
-        return nothing, nothing
-    best = _close_gaps(one, other, ranked[0])
-    rival = next((found for found in ranked[1:] if found.agreement(best) < 0.5), nothing)
-    return best, rival
+def align(one: Boundary, other: Boundary) -> list[Alignment]:
+    """The best alignment, then the best of those that agree with less than half of each before; a few."""
+    found: list[Alignment] = []
+    for raw in _all_alignments(one, other):
+        if all(raw.agreement(known) < 0.5 for known in found):
+            found.append(_close_gaps(one, other, raw))
+            if len(found) == MOST_RIVALS + 1:
+                break
+    return found
 
 
 def _all_alignments(one: Boundary, other: Boundary) -> list[Alignment]:

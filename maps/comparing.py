@@ -111,7 +111,7 @@ def compare(one: HybridMap, other: HybridMap) -> Comparison:
         tuple(_arc_differences(one, other, matched)),
         rotation(one, other, matched),
         best.score,
-        rival.score,
+        rival,
     )
 
 
@@ -119,25 +119,29 @@ def _nodes(one: Boundary, other: Boundary, alignment: Alignment) -> dict[int, in
     return {one.nodes[i]: other.nodes[j] for i, j in alignment.pairs}
 
 
-def _decide(one: HybridMap, left: Boundary, other: HybridMap, right: Boundary) -> tuple[Alignment, Alignment]:
-    best, rival = align(left, right)
+def _decide(one: HybridMap, left: Boundary, other: HybridMap, right: Boundary) -> tuple[Alignment, float]:
+    """The alignment that holds, and the score of the best that pairs otherwise. Raises: NoMatchError."""
     size = max(len(left), len(right)) if left.closed and right.closed else min(len(left), len(right))
     needed = max(LEAST_PAIRS, math.ceil(LEAST_MATCHED * size))
-    if len(best.pairs) < needed:
+    ranked = align(left, right)
+    most = len(ranked[0].pairs) if ranked else 0
+    if most < needed:
         raise NoMatchError(
-            f"the maps do not seem to be of one world: {len(best.pairs)} nodes match, {needed} are needed"
+            f"the maps do not seem to be of one world: {most} nodes match, {needed} are needed"
         )
-    if best.score - rival.score >= MARGIN or len(rival.pairs) < needed:
-        return best, rival
-    looks = [_unlikeness(one, other, _nodes(left, right, found)) for found in (best, rival)]
-    if looks[0] is not None and looks[1] is not None:
-        if looks[0] <= LOOKS_ALIKE * looks[1]:
-            return best, rival
-        if looks[1] <= LOOKS_ALIKE * looks[0]:
-            return rival, best
+    rival = ranked[1].score if len(ranked) > 1 else 0.0
+    close = [
+        found for found in ranked if ranked[0].score - found.score < MARGIN and len(found.pairs) >= needed
+    ]
+    if len(close) == 1:
+        return ranked[0], rival
+    looks = [_unlikeness(one, other, _nodes(left, right, found)) for found in close]
+    known = sorted((look, index) for index, look in enumerate(looks) if look is not None)
+    if len(known) == len(close) and known[0][0] <= LOOKS_ALIKE * known[1][0]:
+        return close[known[0][1]], rival
     raise NoMatchError(
-        "the maps match in more than one way: "
-        f"{best.score:.1f} against {rival.score:.1f} nats, {MARGIN:.0f} needed, and the views do not decide"
+        f"the maps match in {len(close)} ways ({ranked[0].score:.1f} against {rival:.1f} nats,"
+        f" {MARGIN:.0f} more needed) and the views do not decide"
     )
 
 

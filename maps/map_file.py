@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sqlite3
 from collections.abc import Iterable, Mapping
@@ -183,6 +184,9 @@ class MapFile:
     def close(self) -> None:
         """Lets go of the file without sealing it. Twice does nothing."""
         if self._connection is not None:
+            with contextlib.suppress(sqlite3.Error):
+                # The last one to close removes the -wal: the file must then not say that it has one.
+                self._connection.execute("PRAGMA journal_mode = DELETE")
             self._connection.close()
             self._connection = None
             self._lock.release()
