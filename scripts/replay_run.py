@@ -13,13 +13,18 @@ from ..agent.mission_journal import Journal
 from ..agent.missions import Mission
 from ..agent.recording import Recording, read_recording
 from ..agent.replay import Difference, ReplayEnded, ReplayWorld
+from ..maps.hybrid_map import HybridMap
+from ..maps.map_file import read_truth
 from ..world import World
 from ..world.arenas import find_world
+from ..world.robot import Pose
 from .mapping_run import MappingRun, open_map_file
 from .mission_requests import MissionRequest
 from .mission_session import MissionSession
-from .profiles import find_profile
-from .requests import MapRequest, Progress
+from .profiles import find_profile, make_navigator
+from .requests import GoRequest, MapRequest, Progress
+from .trip_run import Trip, _start
+from .wiring import make_agent
 
 
 def _silent(progress: Progress) -> None:
@@ -59,6 +64,8 @@ def replay(path: Path) -> ReplayReport:
 
 
 def _replay_mapping(recording: Recording, world: ReplayWorld, folder: Path) -> None:
+    if recording.header["request"].get("resume"):
+        raise RecordingError("a mapping that was resumed cannot be replayed: its beginning is not recorded")
     values = _common(dict(recording.header["request"]), MapRequest)
     values |= {
         "output": folder / "replayed.tolman",
@@ -96,11 +103,30 @@ def _replay_mission(recording: Recording, world: ReplayWorld, folder: Path) -> N
     world.step()  # the last tick's events
 
 
+def _replay_trip(recording: Recording, world: ReplayWorld, folder: Path) -> None:
+    asked = dict(recording.header["request"])
+    path = folder / "map.tolman"
+    path.write_bytes(recording.attachments["map"])
+    values = _common(asked, GoRequest) | {"map": path, "at": None if asked["at"] is None else Pose()}
+    request = GoRequest(**values)
+    hybrid_map, truth = HybridMap.load(path), read_truth(path)
+    _, node, arrival = _start(request, hybrid_map, truth)
+    stage = cast(World, world)
+    agent = make_agent(request, stage, dict(recording.header["settings"]))
+    world.robot.watch(agent)
+    trip = Trip(request, stage, agent, _silent)
+    node = trip.localize(hybrid_map) if node is None else node
+    if node is not None:
+        navigator = make_navigator(find_profile(request.profile), agent, hybrid_map, node, arrival)
+        trip.drive(navigator, hybrid_map.find(request.to), truth)
+
+
 def _common(asked: dict[str, Any], kind: type[Any]) -> dict[str, Any]:
     """The recorded request's values that `kind` has, with paths as such."""
     values = {name: value for name, value in asked.items() if name in kind.__dataclass_fields__}
     values["plugins"] = tuple(Path(item) for item in asked.get("plugins", ()))
-    return values | {"config": None}
+    values["config"] = None
+    return values | ({"record": None} if "record" in values else {})
 
 
-_REPLAYS = {"map": _replay_mapping, "mission": _replay_mission}
+_REPLAYS = {"map": _replay_mapping, "go": _replay_trip, "mission": _replay_mission}
