@@ -12,7 +12,7 @@ from .cli_options import integer
 from .cli_output import ProgressLine, check_output, plain, stdout_to_stderr
 
 DESCRIPTION = """Runs experiments of chapter 4 of the thesis in both profiles and prints their figures beside
-the published ones. NAME is table-N for N = 4.2, 4.3, 4.5, 4.6, 4.10, 4.12, 4.14, 4.15, 4.16 or 4.18, `all`, or
+the published ones. NAME is table-N for N = 4.2, 4.3, 4.5, 4.6, 4.10, 4.12, 4.14, 4.15, 4.16, 4.18, `all` or
 `smoke` (everything, but one run in one environment).
 
 Finished runs are kept in the work folder, with their maps; the same command goes on where it was interrupted.
@@ -46,6 +46,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="which profiles (default both)",
     )
     parser.add_argument(
+        "--environments",
+        type=_environments,
+        metavar="LIST",
+        help="which environments, as in env1,env3 (default all)",
+    )
+    parser.add_argument(
         "--work",
         type=Path,
         default=Path("tolman-experiment"),
@@ -57,6 +63,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--figures", type=Path, metavar="DIR", help="also draw the figures into this folder")
     parser.add_argument("--json", type=Path, metavar="OUT", help="also write all figures as JSON")
+
+
+def _environments(text: str) -> tuple[str, ...]:
+    known = ("env1", "env2", "env3")
+    names = text.split(",")
+    if not set(names) <= set(known):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a list of {', '.join(known)}")
+    return tuple(name for name in known if name in names)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -75,6 +89,8 @@ def run(options: argparse.Namespace) -> int:
     plan = plan_for(options.names, options.runs, options.global_runs, options.first_seed)
     if options.profile != "both":
         plan = replace(plan, profiles=(options.profile,))
+    if options.environments is not None:
+        plan = replace(plan, environments=options.environments)
     version = code_version()
     line = ProgressLine()
     with stdout_to_stderr():

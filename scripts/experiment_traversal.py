@@ -1,9 +1,9 @@
 """One traversal run of an experiment: a map driven from its first node to its last and back, five times.
 
 The robot is put at the first node as the map's own run met it. Each traversal goes once round where the loop
-was closed, else to the last node; every second one goes back. The position error at a node is the true distance
-between the robot and the true place of the node it says it is at; it is lost where that is more than 15 cm, or
-where it gives up (docs/experiments.md).
+was closed, else to the last node; every second one goes back. The position error at a node is the true
+distance between the robot and the true place of the node it says it is at; it is lost where that is more than
+15 cm, or where it gives up (docs/experiments.md).
 """
 
 from __future__ import annotations

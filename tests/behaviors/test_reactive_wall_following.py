@@ -1,4 +1,4 @@
-"""The published wall follower: equations 3.9 to 3.14 and algorithm 5, and that it goes round without touching."""
+"""The published wall follower: equations 3.9 to 3.14, algorithm 5, and that it touches nothing on its way."""
 
 import math
 

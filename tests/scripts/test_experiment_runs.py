@@ -1,0 +1,70 @@
+"""Experiments from the command line, with short runs: resumed, independent of the processes, drawn."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from tolman.scripts.cli import execute
+from tolman.scripts.experiment_figures import draw_figures
+from tolman.scripts.experiment_mapping import map_path, mapping_job, run_mapping
+from tolman.scripts.experiment_plan import GLOBAL, Plan, run_plan
+from tolman.scripts.experiment_traversal import run_traversal, traversal_job
+from tolman.scripts.experiment_version import code_version
+
+PLAN = Plan(("table-4.3",), 1, 1, 3, ("env1",), ("default", "thesis"))
+
+
+@pytest.mark.slow
+def test_finished_runs_are_not_run_again_and_figures_are_drawn(tmp_path: Path) -> None:
+    told: list[tuple[str, int, int]] = []
+    first = run_plan(PLAN, tmp_path, "1")
+    again = run_plan(PLAN, tmp_path, "1", progress=lambda what, done, total: told.append((what, done, total)))
+    assert again.results == first.results
+    assert told[0] == ("mapping", 2, 2)
+    pictures = draw_figures(PLAN, again, tmp_path, tmp_path / "figures", tmp_path)
+    assert [(tmp_path / path).stat().st_size > 10_000 for _, path in pictures] == [True, True]
+    thesis = first.of(GLOBAL, "env1", "thesis")[0]
+    assert thesis["reason"] == "lap"
+    assert thesis["path_integration_error_m"] > 0.01
+
+
+@pytest.mark.slow
+def test_a_map_of_profile_thesis_is_driven_by_its_distances(tmp_path: Path) -> None:
+    job = mapping_job("env1", "right", 3, "thesis", local_maps=False, noise="none")
+    result = run_traversal(traversal_job(job, 4, corrected=False).settings, tmp_path)
+    assert map_path(tmp_path, job).exists()
+    assert len(result["before"]) >= 5
+    assert result["end_error_m"] >= 0.0
+
+
+@pytest.mark.slow
+def test_the_same_job_gives_the_same_figures(tmp_path: Path) -> None:
+    job = mapping_job("env1", "left", 5, "thesis", local_maps=False)
+    one, other = (run_mapping(job.settings, tmp_path / name) for name in "ab")
+    for timing in ("wall_time_s", "real_time_factor"):
+        del one[timing], other[timing]
+    assert one == other
+
+
+def test_the_command_writes_report_and_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    version = code_version()
+    plan = replace(PLAN, profiles=("thesis",), first_seed=3)
+    assert plan.kinds == {GLOBAL}
+    out, report = tmp_path / "out.json", tmp_path / "report.md"
+    arguments = ["experiment", "table-4.3", "--runs", "1", "--first-seed", "3", "--profile", "thesis"]
+    arguments += ["--environments", "env1", "--work", str(tmp_path / "work")]
+    assert execute([*arguments, "--json", str(out), "--report", str(report)]) == 0
+    values = json.loads(out.read_text(encoding="utf-8"))
+    assert values["version"] == version
+    assert values["tables"]["4.3"][0]["measured"]["thesis"]["runs"] == 1
+    assert "# Results" in report.read_text(encoding="utf-8")
+    assert capsys.readouterr().out.strip() == f"{report}: written"
+
+
+def test_an_unknown_experiment_is_refused_before_anything_runs(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert execute(["experiment", "table-9", "--work", str(tmp_path / "work")]) == 2
+    assert "unknown experiment 'table-9'" in capsys.readouterr().err
+    assert not (tmp_path / "work").exists()
