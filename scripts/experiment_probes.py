@@ -16,17 +16,18 @@ from ..agent.behavior import Context
 from ..agent.events import BehaviorFinished, BehaviorStarted, NodeCommitted, NodeCreated
 from ..agent.goals import LocalSamples
 from ..agent.thesis_mapping import ThesisMapper
-from ..maps.local_map import DEFAULT, THESIS_1, THESIS_2, LocalMap, LocalMapConfig
+from ..maps.local_map import DEFAULT, THESIS_1, LocalMap, LocalMapConfig
 from ..maps.som import SOM
 from ..world.robot import Percept, Pose, wrap_angle
 from .mapping_run import MappingRun
+from .profiles import THESIS_LOCAL_MAP
 
 AT_NODE = 0.15
 """Meters from where a node is within which a robot is at it."""
 _AWAY, _CLOSE, _PAST = 0.40, 0.08, 0.03
 """Meters from node 0: a lap has begun; a node is as good as there; past it."""
 _SAME_WAY = math.radians(60.0)
-CONFIGURATIONS = {"batch": DEFAULT, "configuration 1": THESIS_1, "configuration 2": THESIS_2}
+CONFIGURATIONS = {"batch": DEFAULT, "configuration 1": THESIS_1, "configuration 2": THESIS_LOCAL_MAP}
 METRIC_SIZES = (3, 5, 10)
 
 
