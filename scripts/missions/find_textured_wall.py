@@ -5,8 +5,14 @@ tolman run scripts/missions/find_textured_wall.py --world env1-textured
 
 from tolman.agent.mission_steps import Explore, Fail, GoTo, Look, Nodes, OnFailure, Save, Say
 
-CONTRAST = 0.12
-"""Standard deviation of luminance, in the image's middle rows, from which a wall counts as textured."""
+STEP, STEPS = 0.08, 5
+"""So many steps of luminance along a row make a texture; plain walls meet in at most three edges."""
+
+
+def is_textured(image):
+    """Whether one of the rows at the height of the camera has the steps of a texture."""
+    steps = abs(image[7:9, 1:] - image[7:9, :-1]) > STEP
+    return int(steps.sum(axis=1).max()) >= STEPS
 
 
 def mission():
@@ -15,9 +21,7 @@ def mission():
     yield Save("textured.tolman")
     for node in (yield Nodes()):
         yield OnFailure(GoTo(node), retries=1)
-        image = yield Look()
-        middle = image[6:10]
-        if float(middle.std()) > CONTRAST:
+        if is_textured((yield Look())):
             yield Say(f"node {node}: a textured wall")
             return node
     yield Fail("no textured wall is seen from any node")

@@ -130,6 +130,9 @@ def test_a_dry_run_lists_the_steps_and_does_nothing(tmp_path: Path) -> None:
         "Until(event=LoopClosed, timeout=600)",
         "Say(text='closed at ?')",
         "Nodes()",
+        "GoTo(node=0)",
+        "GoTo(node=1)",
+        "GoTo(node=2)",
         "Save(path='a.tolman')",
     ]
     assert plan.problems == []

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 from tolman.agent.errors import MissionError
+from tolman.agent.mission_dry_run import dry_run
+from tolman.agent.missions import Mission
 from tolman.maps.hybrid_map import HybridMap
 from tolman.scripts.mission_requests import MissionReport, MissionRequest
 from tolman.scripts.mission_session import run_mission
@@ -108,3 +110,27 @@ def test_a_recorded_mission_replays_to_the_bit_and_writes_nothing(mapped: Path, 
     report = replay(recording)
     assert (report.identical, report.difference) == (True, None)
     assert not (tmp_path / "there.tolman").exists()
+
+
+def test_two_robots_share_one_map(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    report = request(EXAMPLES / "two_robots.py", world=str(EXAMPLES / "two_robots_world.yaml"))
+    assert (report.status, report.reason) == ("done", "")
+    assert len(HybridMap.load(tmp_path / "shared.tolman").nodes()) == 10
+
+
+@pytest.mark.parametrize(("world", "status"), [("env1-textured", "done"), ("env1", "failed")])
+def test_a_textured_wall_is_found_where_there_is_one(
+    world: str, status: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    report = request(EXAMPLES / "find_textured_wall.py", world=world)
+    assert report.status == status, report.reason
+    assert (tmp_path / "textured.tolman").exists()
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.py")), ids=lambda path: path.stem)
+def test_every_example_can_be_shown_without_doing_anything(path: Path) -> None:
+    plan = dry_run(Mission.load(path))
+    assert plan.problems == []
+    assert plan.lines
