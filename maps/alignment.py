@@ -7,6 +7,7 @@ place than by chance; skipping a node costs. The best alignment must beat the be
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise, product
 
@@ -24,10 +25,15 @@ TYPICAL_LENGTH = 0.4
 
 WORST_LENGTH = -6.0
 SKIP = -3.0
+MARGIN = 4.0
+"""Nats by which the best alignment must beat the best that pairs otherwise."""
+
 MOST_RIVALS = 8
 MOST_CELLS = 1_000_000
 MOST_SKIPPED = 2
 """Nodes that may be missing on either side between two pairs."""
+
+_STEPS = range(1, MOST_SKIPPED + 2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,17 +49,20 @@ class Alignment:
 
 
 def align(one: Boundary, other: Boundary) -> list[Alignment]:
-    """The best alignment, then the best of those that agree with less than half of each before; a few."""
+    """The best alignment, then the best of those that agree with less than half of each before.
+
+    Goes on while they are as good as the best within MARGIN, and to the first that is not.
+    """
     found: list[Alignment] = []
     for raw in _all_alignments(one, other):
         if all(raw.agreement(known) < 0.5 for known in found):
             found.append(_close_gaps(one, other, raw))
-            if len(found) == MOST_RIVALS + 1:
+            if raw.score < found[0].score - MARGIN or len(found) == MOST_RIVALS + 1:
                 break
     return found
 
 
-def _all_alignments(one: Boundary, other: Boundary) -> list[Alignment]:
+def _all_alignments(one: Boundary, other: Boundary) -> Iterator[Alignment]:
     """Every alignment that ends somewhere, best first; the boundaries are unrolled twice when closed."""
     rows = len(one) * (2 if one.closed else 1)
     cols = len(other) * (2 if other.closed else 1)
@@ -62,24 +71,32 @@ def _all_alignments(one: Boundary, other: Boundary) -> list[Alignment]:
     score: dict[tuple[int, int], float] = {}
     came: dict[tuple[int, int], tuple[int, int] | None] = {}
     start: dict[tuple[int, int], tuple[int, int]] = {}
-    single = {(i, j): _pair_score(one, i, other, j) for i in range(len(one)) for j in range(len(other))}
+    single = [[_pair_score(one, i, other, j) for j in range(len(other))] for i in range(len(one))]
+    steps = [(k, m, _step_scores(one, k, other, m)) for k in _STEPS for m in _STEPS]
     for i in range(rows):
         for j in range(cols):
             best, before = 0.0, None
-            for back_i in range(1, MOST_SKIPPED + 2):
-                for back_j in range(1, MOST_SKIPPED + 2):
-                    at = (i - back_i, j - back_j)
-                    if at not in score or i - start[at][0] >= len(one) or j - start[at][1] >= len(other):
-                        continue
-                    value = score[at] + (back_i + back_j - 2) * SKIP
-                    value += _length_score(_between(one, at[0], i), _between(other, at[1], j))
-                    if value > best:
-                        best, before = value, at
-            score[i, j] = best + single[i % len(one), j % len(other)]
+            for k, m, gained in steps:
+                at = (i - k, j - m)
+                if at not in score or i - start[at][0] >= len(one) or j - start[at][1] >= len(other):
+                    continue
+                value = score[at] + gained[at[0] % len(one)][at[1] % len(other)]
+                if value > best:
+                    best, before = value, at
+            score[i, j] = best + single[i % len(one)][j % len(other)]
             came[i, j] = before
             start[i, j] = (i, j) if before is None else start[before]
-    ends = sorted(score, key=lambda at: (-score[at], at))
-    return [_trace(at, came, score[at], len(one), len(other)) for at in ends[:2000] if score[at] > 0.0]
+    for at in sorted(score, key=lambda at: (-score[at], at)):
+        if score[at] <= 0.0:
+            return
+        yield _trace(at, came, score[at], len(one), len(other))
+
+
+def _step_scores(one: Boundary, k: int, other: Boundary, m: int) -> list[list[float]]:
+    """What going k nodes on from i and m nodes on from j gains, as table [i][j]."""
+    ends = [_between(other, j, j + m) for j in range(len(other))]
+    skipping = (k + m - 2) * SKIP
+    return [[skipping + _length_score(_between(one, i, i + k), end) for end in ends] for i in range(len(one))]
 
 
 def _close_gaps(one: Boundary, other: Boundary, found: Alignment) -> Alignment:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .alignment import Alignment, align
+from .alignment import MARGIN, Alignment, align
 from .boundary import Boundary, boundaries, mean_angle
 from .errors import NoMatchError
 from .hybrid_map import HybridMap
@@ -18,9 +18,6 @@ LEAST_MATCHED = 0.6
 """Share of the nodes of the larger closed boundary (of the smaller one, if either is open) to be matched."""
 
 LEAST_PAIRS = 4
-MARGIN = 4.0
-"""Nats by which the best alignment must beat the best that pairs otherwise."""
-
 LOOKS_ALIKE = 0.75
 """Without that margin the views decide, if those of the one alignment are this much closer."""
 

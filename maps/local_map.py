@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .errors import MapError, NoPathError, UnknownNodeError, some
 from .lattice import Floats, Ints, Topology, frozen
+from .online import squared_distances
 from .planning import shortest_path
 from .schedules import BATCH, METRIC_1, METRIC_2, PERCEPTUAL_1, PERCEPTUAL_2, Config
 from .som import SOM, Method
@@ -55,7 +56,7 @@ class LocalEstimate:
 
     position: (2,) m, local frame. unit: the perceptual unit that responds most. distance: how far the view is
     from that unit's weights (eq. 3.33), as Euclidean distance of luminances. confidence: 1 when no farther
-    than the training views were on average, falling as their ratio.
+    than a training view is from its nearest fellow on average, falling as their ratio.
     """
 
     position: Floats
@@ -115,7 +116,7 @@ class LocalMap:
     metric: SOM of free space, weights (units, 2) m. hits: (units,) samples won by each metric unit. edges:
     (E, 2) kept lattice edges, i < j. blocked: the edges found blocked. perceptual: SOM of views, weights
     (units, 1024), or None. view_positions: (units, 2) m where those views were taken, NaN where none.
-    view_error: mean distance of the training views to their units. entry_panorama: (4, 16, 16) at the node.
+    view_error: distance up to which a view passes for one taken nearby. entry_panorama: (4, 16, 16) at the node.
 
     A map read from a file loads its content on first use and may then raise MapFileDamagedError.
     """
@@ -207,7 +208,7 @@ class LocalMap:
 
     @property
     def view_error(self) -> float:
-        """Mean distance of the training views to their units."""
+        """Distance up to which a view passes for one taken nearby."""
         return self.content.view_error
 
     @property
@@ -347,7 +348,16 @@ def _views(
     trained = SOM(config.rows, config.cols, config.topology).fit(views, config.perceptual, rng)
     som = SOM(config.rows, config.cols, config.topology, trained.weights.astype(np.float32))
     tied = tie_positions(som.winners(views), places, som.units, config.association)
-    return som, frozen(tied), som.quantization_error(views)
+    return som, frozen(tied), _view_error(som, views)
+
+
+def _view_error(som: SOM, views: Floats) -> float:
+    """How far a view taken nearby may be: from its unit or from its nearest fellow, the larger of the means."""
+    if len(views) == 1:
+        return som.quantization_error(views)
+    apart = squared_distances(views, views)
+    np.fill_diagonal(apart, np.inf)
+    return max(som.quantization_error(views), float(np.sqrt(apart.min(axis=1)).mean()))
 
 
 def tie_positions(
