@@ -6,6 +6,7 @@ classes they define. A broken plugin nobody asked for is kept in `Catalog.broken
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 import hashlib
 import importlib.util
@@ -206,6 +207,22 @@ def build_behaviors(
                 f"settings for {name!r}, which is not loaded; loaded: {', '.join(sorted(classes)) or 'none'}"
             )
     return {name: cls(**settings.get(name, {})) for name, cls in classes.items()}
+
+
+def isolating(
+    configs: Mapping[str, Mapping[str, Any]] | None, folders: Iterable[Path | str]
+) -> dict[str, dict[str, Any]]:
+    """The same settings, with `isolate: true` for every behavior that the folders hold.
+
+    Raises: PluginError if a folder is none. Files that cannot be read are left to `discover` to report.
+    """
+    settings = {name: dict(values) for name, values in (configs or {}).items()}
+    for folder in folders:
+        for path in plugin_files(Path(folder)):
+            with contextlib.suppress(BrokenPluginError, IsolationError):
+                for hello in describe_file(path):
+                    settings.setdefault(hello["name"], {})["isolate"] = True
+    return settings
 
 
 def load_mediator(name: str = "priority", folders: Iterable[Path | str] = ()) -> Mediator:

@@ -36,6 +36,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--journal", type=Path, metavar="FILE", help="keep completed steps there")
     parser.add_argument("--resume", action="store_true", help="go on from the --journal")
     parser.add_argument("--record", type=Path, metavar="RUN", help="record the run, for replay and explain")
+    parser.add_argument(
+        "--isolate", action="store_true", help="run the behaviors of --plugins in subprocesses"
+    )
     add_force(parser)
     add_simulation(parser)
 
@@ -71,6 +74,7 @@ def _request(options: argparse.Namespace) -> MissionRequest:
         resume=options.resume,
         force=options.force,
         record=options.record,
+        isolate=options.isolate,
         seed=options.seed,
         noise=options.noise,
         noise_scale=options.noise_scale,

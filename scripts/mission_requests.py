@@ -15,6 +15,7 @@ class MissionRequest(Simulation):
     """A mission to run. world: None is the map's. max_time: simulated s after which it is cancelled.
 
     journal: where done steps are kept; resume: go on from there. force: `Save` may replace files.
+    isolate: whether the behaviors of the plugin folders run in subprocesses.
     """
 
     mission: Path
@@ -27,6 +28,7 @@ class MissionRequest(Simulation):
     resume: bool = False
     force: bool = False
     record: Path | None = None
+    isolate: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -18,6 +18,7 @@ from ..maps.errors import MapError
 from ..maps.hybrid_map import HybridMap
 from ..maps.map_file import read_truth
 from ..maps.meta import MapMeta
+from ..plugins.discovery import isolating
 from ..world import World
 from ..world.robot import Pose
 from .mission_requests import MissionReport, MissionRequest
@@ -158,6 +159,8 @@ def run_mission(
     """
     mission = Mission.load(request.mission)
     settings = load_settings(request.config)
+    if request.isolate:
+        settings["behaviors"] = isolating(settings.get("behaviors"), request.plugins)
     world = make_world(request, request.world or _world_of(request), settings, _start(request))
     try:
         session = MissionSession(request, world, settings)

@@ -6,8 +6,10 @@ from pathlib import Path
 
 import pytest
 from tolman.agent.errors import MissionError
+from tolman.agent.explain import timeline
 from tolman.agent.mission_dry_run import dry_run
 from tolman.agent.missions import Mission
+from tolman.agent.recording import read_recording
 from tolman.maps.hybrid_map import HybridMap
 from tolman.scripts.mission_requests import MissionReport, MissionRequest
 from tolman.scripts.mission_session import run_mission
@@ -134,3 +136,41 @@ def test_every_example_can_be_shown_without_doing_anything(path: Path) -> None:
     plan = dry_run(Mission.load(path))
     assert plan.problems == []
     assert plan.lines
+
+
+CRASHING = '''
+import os
+from enum import Enum
+from tolman.agent import Behavior, Proposal
+from tolman.world.robot import WheelCommand
+
+class Crashing(Behavior):
+    """Ends its process in its tenth tick."""
+    class States(Enum):
+        """ON: the only one."""
+        ON = "on"
+    name = "crashing"
+    priority = 12
+    initial = States.ON
+    def on_reset(self):
+        self.ticks = 0
+    def propose(self, percept, context):
+        self.ticks += 1
+        if self.ticks == 10:
+            os._exit(3)
+        return Proposal(WheelCommand(50.0, 50.0), reason="soon over")
+'''
+
+
+def test_an_isolated_plugin_that_ends_its_process_ends_no_mission(tmp_path: Path) -> None:
+    (tmp_path / "plugins").mkdir()
+    write(tmp_path / "plugins", CRASHING, "crashing.py")
+    path = write(tmp_path, "steps: [on_failure: {do: {do: crashing}, otherwise: {wait: 3}}]")
+    record = tmp_path / "run.mcap"
+    report = request(path, world="env1", plugins=(tmp_path / "plugins",), isolate=True, record=record)
+    assert report.status == "done"
+    lines = list(timeline(read_recording(record)))
+    faults = [line for line in lines if "crashing STOPPED in state ON" in line]
+    assert len(faults) == 3
+    assert "exit status 3" in faults[0]
+    assert faults[-1].endswith("disabled")
