@@ -47,7 +47,7 @@ class Layer:
 
 
 @lru_cache(maxsize=16)
-def pixel_rays(width: int, height: int, field_of_view: float, samples: int) -> Floats:
+def pixel_rays(width: int, height: int, field_of_view: float, samples: int) -> Image:
     """Directions (height*samples * width*samples, 3) in the camera's frame: x ahead, y left, z up; x is 1.
 
     field_of_view: horizontal, rad; pixels are square.
@@ -56,7 +56,7 @@ def pixel_rays(width: int, height: int, field_of_view: float, samples: int) -> F
     columns, rows = width * samples, height * samples
     left = half * (1 - (2 * np.arange(columns) + 1) / columns)
     up = half * (rows - 2 * np.arange(rows) - 1) / columns
-    directions = np.empty((rows, columns, 3))
+    directions = np.empty((rows, columns, 3), dtype=np.float32)
     directions[..., 0], directions[..., 1], directions[..., 2] = 1.0, left, up[:, None]
     flat = directions.reshape(-1, 3)
     flat.setflags(write=False)
@@ -124,26 +124,38 @@ class Camera:
         rays = pixel_rays(width, height, self._geometry.camera_field_of_view, samples)
         band = max(1, _BAND // (width * samples**2)) * width * samples**2
         shades = [self._shades(pose, rays[k : k + band], layers) for k in range(0, len(rays), band)]
-        image = np.concatenate(shades).reshape(height, samples, width, samples).mean(axis=(1, 3))
+        image = (
+            (shades[0] if len(shades) == 1 else np.concatenate(shades))
+            .reshape(height, samples, width, samples)
+            .mean(axis=(1, 3))
+        )
         result: Image = image.astype(np.float32)
         return result
 
-    def _shades(self, pose: Pose, local: Floats, layers: Sequence[Layer]) -> Floats:
+    def _shades(self, pose: Pose, local: Image, layers: Sequence[Layer]) -> Floats:
         cosine, sine = math.cos(pose.heading), math.sin(pose.heading)
-        directions = local @ np.array(((cosine, sine, 0.0), (-sine, cosine, 0.0), (0.0, 0.0, 1.0)))
+        turn = np.array(((cosine, sine, 0.0), (-sine, cosine, 0.0), (0.0, 0.0, 1.0)), dtype=np.float32)
+        directions = local @ turn
         forward = self._geometry.camera_forward
         origin = np.array((pose.x + cosine * forward, pose.y + sine * forward, self._geometry.camera_height))
-        origins = np.broadcast_to(origin, directions.shape)
-        shades = self._background(origin, directions)
-        nearest = np.full(len(directions), np.inf)
-        for layer in layers:
+        origins = np.empty_like(directions)
+        origins[:] = origin
+        shades = np.empty(len(directions))
+        nearest, face = layers[0].caster.cast(origins, directions)
+        missed = face < 0
+        hit = np.flatnonzero(~missed)
+        shades[hit] = _colors(layers[0].paint, face[hit], origin, directions[hit], nearest[hit])
+        for layer in layers[1:]:
             distances, face = layer.caster.cast(origins, directions)
             hit = np.flatnonzero(distances < nearest)
+            missed[hit] = False
             nearest[hit] = distances[hit]
             shades[hit] = _colors(layer.paint, face[hit], origin, directions[hit], distances[hit])
+        rest = np.flatnonzero(missed)
+        shades[rest] = self._background(origin, directions[rest])
         return shades
 
-    def _background(self, origin: Floats, directions: Floats) -> Floats:
+    def _background(self, origin: Floats, directions: Image) -> Floats:
         """Sky above the horizon, the checked floor below: (n,) luminances."""
         shades = np.full(len(directions), self._sky)
         down = np.flatnonzero(directions[:, 2] < 0)
@@ -155,10 +167,10 @@ class Camera:
         return shades
 
 
-def _colors(paint: Paint, face: Ints, origin: Floats, directions: Floats, distances: Floats) -> Floats:
+def _colors(paint: Paint, face: Ints, origin: Floats, directions: Image, distances: Floats) -> Floats:
     """Luminances (n,) at the points where rays hit faces."""
     shades: Floats = paint.shades[face]
-    textures = paint.texture[face]
+    textures = paint.texture[face] if paint.bitmaps else face
     for index, bitmap in enumerate(paint.bitmaps):
         rows = np.flatnonzero(textures == index)
         if len(rows):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 from functools import cache
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from .geometry import Floats
 from .scene import Faces, Ints
 
+Rays: TypeAlias = NDArray[np.float64] | NDArray[np.float32]
+"""(n, 3) m."""
 FAR = 1e6
 """Distance (m) that stands for 'nothing hit' where an engine wants a finite one."""
 
@@ -19,7 +21,7 @@ FAR = 1e6
 class Caster(Protocol):
     """Finds what rays hit first among the faces it was built from."""
 
-    def cast(self, origins: Floats, directions: Floats) -> tuple[Floats, Ints]:
+    def cast(self, origins: Rays, directions: Rays) -> tuple[Floats, Ints]:
         """Distances (n,) in units of the directions' lengths (inf: none) and faces (n,) hit (-1: none).
 
         origins, directions: (n, 3) m, world frame.
@@ -35,7 +37,7 @@ class NumpyCaster:
         """Takes the faces over."""
         self._faces = faces
 
-    def cast(self, origins: Floats, directions: Floats) -> tuple[Floats, Ints]:
+    def cast(self, origins: Rays, directions: Rays) -> tuple[Floats, Ints]:
         """See `Caster.cast`."""
         count = max(1, len(self._faces.segments))
         step = max(1, self.SLICE // count)
@@ -46,7 +48,7 @@ class NumpyCaster:
             return np.zeros(0), np.zeros(0, dtype=np.int64)
         return np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
 
-    def _cast(self, origins: Floats, directions: Floats) -> tuple[Floats, Ints]:
+    def _cast(self, origins: Rays, directions: Rays) -> tuple[Floats, Ints]:
         best, face = self._sides(origins, directions)
         for index, points in enumerate(self._faces.outlines):
             height = self._faces.tops[index]
@@ -55,7 +57,7 @@ class NumpyCaster:
                 self._top(index, points, height, origins, directions, above, best, face)
         return best, face
 
-    def _sides(self, origins: Floats, directions: Floats) -> tuple[Floats, Ints]:
+    def _sides(self, origins: Rays, directions: Rays) -> tuple[Floats, Ints]:
         segments = self._faces.segments
         if not len(segments):
             return np.full(len(origins), np.inf), np.full(len(origins), -1, dtype=np.int64)
@@ -79,8 +81,8 @@ class NumpyCaster:
         index: int,
         points: tuple[tuple[float, float], ...],
         height: float,
-        origins: Floats,
-        directions: Floats,
+        origins: Rays,
+        directions: Rays,
         above: NDArray[np.bool_],
         best: Floats,
         face: Ints,
@@ -105,14 +107,15 @@ class EmbreeCaster:
         """Builds the scene. Raises: ImportError where embreex is not installed."""
         scenes = importlib.import_module("embreex.rtcore_scene")
         meshes = importlib.import_module("embreex.mesh_construction")
-        triangles, self._face_of = faces.triangles()
+        triangles, face_of = faces.triangles()
+        self._face_of: Ints = np.append(face_of, -1)
         self._scene: Any = scenes.EmbreeScene(_device())
         if len(triangles):
             self._mesh: Any = meshes.TriangleMesh(self._scene, np.ascontiguousarray(triangles))
 
-    def cast(self, origins: Floats, directions: Floats) -> tuple[Floats, Ints]:
+    def cast(self, origins: Rays, directions: Rays) -> tuple[Floats, Ints]:
         """See `Caster.cast`; single precision."""
-        if not len(self._face_of) or not len(origins):
+        if len(self._face_of) == 1 or not len(origins):
             return np.full(len(origins), np.inf), np.full(len(origins), -1, dtype=np.int64)
         limits = np.full(len(origins), FAR, dtype=np.float32)
         found = self._scene.run(
@@ -123,18 +126,11 @@ class EmbreeCaster:
             output=True,
         )
         triangle = found["primID"]
-        hit = triangle >= 0
-        face: Ints = np.where(hit, self._face_of[triangle], -1)
-        return np.where(hit, found["tfar"].astype(np.float64), np.inf), face
-
-    def distances(
-        self, origins: NDArray[np.float32], directions: NDArray[np.float32], limit: NDArray[np.float32]
-    ) -> NDArray[np.float32]:
-        """Distances (n,) m alone, `limit` where nothing is nearer: the short way for infrared."""
-        if not len(self._face_of):
-            return limit
-        found: NDArray[np.float32] = self._scene.run(origins, directions, dists=limit, query="DISTANCE")
-        return found
+        # -1, a miss, picks the last entry of each table
+        face: Ints = self._face_of[triangle]
+        distances: Floats = found["tfar"].astype(np.float64)
+        distances[triangle < 0] = np.inf
+        return distances, face
 
 
 @cache

@@ -6,6 +6,7 @@ Run as a program for the long form: `python tests/world/fuzz.py 10000`.
 from __future__ import annotations
 
 import sys
+import tempfile
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -37,6 +38,7 @@ DEF B WoodenBox { translation 0.3 0.2 0.05 size 0.2 0.1 0.1 rotation 0 0 1 0.5 }
 Solid { translation -0.4 0.1 0.05 children [ Shape { geometry Cylinder { radius 0.08 height 0.1 } } USE B ] }
 E-puck { translation 0 0 0 }
 """
+ROOM = b"P5 12 12 255\n" + (b"\x00" * 12 + (b"\x00" + b"\xff" * 10 + b"\x00") * 10 + b"\x00" * 12)
 WORDS = (
     b"{",
     b"}",
@@ -61,8 +63,9 @@ def as_text(data: bytes) -> str:
 
 
 def read_ros(data: bytes) -> object:
-    folder = Path(__file__).parent
-    return parse_ros_map(as_text(data), "f", folder, "f")
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder, "map.pgm").write_bytes(ROOM)
+        return parse_ros_map(as_text(data), "f", Path(folder), "f")
 
 
 READERS: dict[str, tuple[bytes, Callable[[bytes], object]]] = {
