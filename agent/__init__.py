@@ -8,7 +8,9 @@ from .agent import Agent, Process, run
 from .behavior import Behavior, Context, NoConfig, Proposal, Transition
 from .errors import AgentError, BehaviorContractError, ConfigError, UnknownBehaviorError
 from .mediator import Candidate, Decision, Mediator, PriorityMediator
+from .missions import Mission, MissionRunner
 from .path_integration import PathIntegrator
+from .ports import Limits
 
 __all__ = [
     "Agent",
@@ -19,7 +21,10 @@ __all__ = [
     "ConfigError",
     "Context",
     "Decision",
+    "Limits",
     "Mediator",
+    "Mission",
+    "MissionRunner",
     "NoConfig",
     "PathIntegrator",
     "PriorityMediator",
