@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..maps import HybridMap
-from ..maps.local_map import LocalMap
+from ..maps import HybridMap, LocalMap
+from ..maps.layout import layout
 from ..world.arenas import find_world
 from ..world.base import WorldError
 from ..world.robot import Pose
@@ -19,56 +17,10 @@ from .plot import ArcLine, Drawing, Lattice, save_drawing
 from .truth import read_map_truth
 
 
-def chain(hybrid: HybridMap) -> tuple[list[int], list[float]]:
-    """The nodes in the order of mapping, and the distance (m) of the arc that leaves each of them.
-
-    The last distance is there only if the loop is closed: then there are as many as nodes.
-    """
-    nodes = hybrid.nodes()[:1]
-    distances: list[float] = []
-    while nodes and (arc := hybrid.next_arc(nodes[-1], hybrid.meta.side)) is not None:
-        distances.append(arc.distance)
-        if arc.end in nodes:
-            break
-        nodes.append(arc.end)
-    return nodes, distances
-
-
-def layout(hybrid: HybridMap) -> dict[int, Pose]:
-    """Poses of the nodes as the map alone has them: arcs laid end to end along the nodes' entry headings.
-
-    The gap that remains when the loop closes is spread evenly over its arcs. Nodes that are not on the loop
-    are placed from a neighbor that is. Map frame, the first node at the origin.
-    """
-    nodes, distances = chain(hybrid)
+def alone(hybrid: HybridMap) -> dict[int, Pose]:
+    """Poses of the nodes as the map alone has them: its arcs laid end to end. Map frame."""
     headings = {node: float(hybrid.graph.nodes[node]["entry_heading"]) for node in hybrid.nodes()}
-    steps = [
-        (length * math.cos(headings[node]), length * math.sin(headings[node]))
-        for node, length in zip([*nodes[1:], *nodes[:1]], distances, strict=False)
-    ]
-    ends = np.vstack([[0.0, 0.0], np.cumsum(np.array(steps).reshape(-1, 2), axis=0)])
-    if nodes and len(distances) == len(nodes):
-        ends -= np.linspace(0.0, 1.0, len(ends))[:, None] * ends[-1]
-    poses = {
-        node: Pose(float(x), float(y), headings[node]) for node, (x, y) in zip(nodes, ends, strict=False)
-    }
-    return _with_branches(hybrid, poses, headings)
-
-
-def _with_branches(
-    hybrid: HybridMap, poses: dict[int, Pose], headings: Mapping[int, float]
-) -> dict[int, Pose]:
-    """Adds the nodes that no pose is known of yet, one arc's length from a neighbor."""
-    for _ in range(len(hybrid.graph)):
-        for arc in hybrid.arcs():
-            if arc.start in poses and arc.end not in poses:
-                there = Pose(poses[arc.start].x, poses[arc.start].y, headings[arc.end]).compose(
-                    arc.distance, 0
-                )
-                poses[arc.end] = there
-    for node in hybrid.nodes():
-        poses.setdefault(node, Pose(0.0, 0.0, headings[node]))
-    return poses
+    return {node: Pose(x, y, headings[node]) for node, (x, y) in layout(hybrid).items()}
 
 
 def lattice_of(local_map: LocalMap) -> Lattice:
@@ -105,7 +57,7 @@ def drawing_of(path: Path, world: str | None = None, scale: float = 1.0) -> Draw
     hybrid = HybridMap.load(path)
     truth = read_map_truth(path)
     known = truth is not None and set(hybrid.graph) <= truth.nodes.keys()
-    poses = {node: truth.nodes[node] for node in hybrid.nodes()} if truth and known else layout(hybrid)
+    poses = {node: truth.nodes[node] for node in hybrid.nodes()} if truth and known else alone(hybrid)
     lattices = {}
     for node in hybrid.nodes():
         local_map = hybrid.local_map(node)

@@ -1,6 +1,7 @@
 """Whole commands in processes of their own: what they promise, and what they answer to bad input."""
 
 import json
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -149,6 +150,23 @@ def test_an_output_that_cannot_be_written_is_refused_before_the_run(tmp_path: Pa
     refused(tolman("map", "env1", "-o", tmp_path / "m", "--figure", "/proc/m.png"), "/proc")
 
 
+def test_an_interrupted_mapping_can_be_read_and_goes_on_to_the_same_bytes(tmp_path: Path) -> None:
+    broken, whole = tmp_path / "broken.tolman", tmp_path / "whole.tolman"
+    command = ("map", "env1", "--global-only", "--noise", "encoder")
+    full = [sys.executable, "-m", "tolman.scripts.cli", *command, "-o", str(broken)]
+    with subprocess.Popen(full, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True) as process:
+        assert process.stderr is not None
+        process.stderr.readline()  # its first progress, or nothing if it was faster than that
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+    assert process.returncode in (0, 130)
+    assert tolman("info", broken, "--json").json["nodes"] > 0
+    if process.returncode == 130:
+        assert tolman(*command, "-o", broken, "--resume").status == 0
+    assert tolman(*command, "-o", whole).status == 0
+    assert broken.read_bytes() == whole.read_bytes()
+
+
 def test_resuming_needs_a_map(tmp_path: Path) -> None:
     refused(tolman("map", "env1", "-o", tmp_path / "m.tolman", "--resume"), "no such map")
 
@@ -188,6 +206,29 @@ def test_validate_says_what_is_wrong_and_saves_the_rest(mapped: tuple[Path, Outc
     assert tolman("validate", damaged, "--recover", saved, "--json").json["savable_nodes"] == 2
     assert tolman("info", saved, "--json").json["nodes"] == 2
     refused(tolman("validate", damaged, "--recover", saved), "exists", "--force")
+
+
+@pytest.mark.parametrize("form", ["graphml", "json", "geojson", "ros"])
+def test_a_map_is_exported_once(mapped: tuple[Path, Outcome], tmp_path: Path, form: str) -> None:
+    out = tmp_path / ("m.yaml" if form == "ros" else f"m.{form}")
+    outcome = tolman("export", mapped[0], "--format", form, "-o", out)
+    if form == "ros":  # drawn from local maps, and this map has none
+        refused(outcome, "local map")
+        return
+    assert outcome.status == 0
+    assert out.stat().st_size > 100
+    refused(tolman("export", mapped[0], "--format", form, "-o", out), "exists", "--force")
+
+
+def test_maps_of_one_world_are_matched_and_merged(tmp_path: Path) -> None:
+    one, other, merged = (tmp_path / f"{name}.tolman" for name in ("one", "other", "merged"))
+    assert tolman("map", "env1", "--global-only", "-o", one).status == 0
+    assert tolman("map", "env1", "--global-only", "-o", other, "--side", "left", "--seed", 3).status == 0
+    matched = tolman("diff", one, other, "--json").json["matched"]
+    assert sorted(pair[0] for pair in matched) == list(range(10))
+    assert tolman("merge", one, other, "-o", merged).status == 0
+    assert tolman("info", merged, "--json").json["nodes"] == 10
+    refused(tolman("merge", one, other, "-o", merged), "exists", "--force")
 
 
 def test_a_missing_map_is_refused(tmp_path: Path) -> None:

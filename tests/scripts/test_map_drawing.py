@@ -8,7 +8,7 @@ import pytest
 from tolman.maps.hybrid_map import HybridMap
 from tolman.maps.map_file import MapFile
 from tolman.maps.meta import MapMeta
-from tolman.scripts.map_drawing import chain, drawing_of, layout
+from tolman.scripts.map_drawing import drawing_of
 from tolman.scripts.truth import node_truth, read_map_truth, run_truth
 from tolman.world.arenas import built_in_world
 from tolman.world.robot import Pose
@@ -26,25 +26,6 @@ def square(side: float = 1.0, last: float = 1.0, closed: bool = True) -> HybridM
 
 def places(poses: dict[int, Pose]) -> list[tuple[float, float]]:
     return [(round(pose.x, 9), round(pose.y, 9)) for _, pose in sorted(poses.items())]
-
-
-def test_arcs_are_laid_end_to_end() -> None:
-    poses = layout(square(closed=False))
-    assert places(poses) == [(0, 0), (0, 1), (-1, 1), (-1, 0)]
-    assert poses[2].heading == math.pi
-
-
-def test_a_gap_at_the_closure_is_spread_over_the_loop() -> None:
-    assert chain(square(last=1.4)) == ([0, 1, 2, 3], [1, 1, 1, 1.4])
-    poses = layout(square(last=1.4))
-    assert places(poses) == [(0, 0), (-0.1, 1), (-1.2, 1), (-1.3, 0)]
-
-
-def test_a_node_off_the_loop_is_placed_from_its_neighbor() -> None:
-    hybrid = square()
-    branch = hybrid.add_node(entry_heading=0.0)
-    hybrid.add_arc(2, branch, "right", 0.5, kind="foray")
-    assert places(layout(hybrid))[branch] == (-0.5, 1.0)
 
 
 @pytest.fixture
