@@ -97,7 +97,8 @@ def test_errors_of_all_local_maps_are_put_together_in_cm_and_degrees() -> None:
     found = rows("4.5", outcome(LOCAL, "thesis", [mapping(0.0)] * 3), "thesis")
     summary = found["heading error after exploring"].measured["thesis"].summary
     assert summary is not None
-    assert (summary.count, summary.mean) == (3, pytest.approx(10.0))
+    assert summary.count == 3
+    assert summary.mean == pytest.approx(10.0)
     assert found["position error after exploring"].measured["thesis"].summary is not None
 
 
