@@ -1,0 +1,41 @@
+"""The documents name only what exists: files, commands and their options."""
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+from tolman.scripts import cli
+
+ROOT = Path(__file__).parent.parent
+PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
+LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
+COMMAND = re.compile(r"^\s*(?:\$ )?tolman ([a-z].*?)(?:\s{2,}.*|\s+#.*)?$", re.MULTILINE)
+
+
+def name(page: Path) -> str:
+    return str(page.relative_to(ROOT))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_every_link_leads_to_a_file(page: Path) -> None:
+    targets = [target for target in LINK.findall(page.read_text()) if "://" not in target]
+    missing = [target for target in targets if not (page.parent / target).exists()]
+    assert missing == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_every_command_shown_exists_with_its_options(page: Path) -> None:
+    for line in COMMAND.findall(page.read_text()):
+        words = shlex.split(line.replace("...", ""), comments=True)
+        assert words[0] in cli.known_commands(), line
+        known = cli.build_parser(cli.load(words[0])).options()
+        unknown = [word for word in words if word.startswith("--") and word.split("=")[0] not in known]
+        assert unknown == [], line
+
+
+def test_the_pages_that_the_index_names_are_all_there_are() -> None:
+    index = (ROOT / "docs" / "index.md").read_text()
+    linked = {(ROOT / "docs" / target).resolve() for target in LINK.findall(index) if "://" not in target}
+    pages = {page for page in (ROOT / "docs").glob("*.md") if page.name != "index.md"}
+    assert pages <= linked, "docs/index.md leaves pages out"
