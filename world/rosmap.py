@@ -25,6 +25,8 @@ RIM = 2
 """Cells around the free area that are kept solid."""
 UNKNOWN = 205
 """Gray value (of 255) that map savers write for cells never seen."""
+SPECK = 3
+"""Patches of cells never seen that hold no square of this many cells are taken for free."""
 MAX_BOXES = 200_000
 Mask = NDArray[np.bool_]
 
@@ -68,22 +70,38 @@ def _negate(keys: dict[str, Entry]) -> bool:
 
 
 def free_cells(image: Gray, mode: str, occupied_above: float, free_below: float, negate: bool) -> Mask:
-    """Which cells (rows, columns), row 0 on top, are known to be free.
+    """Which cells (rows, columns), row 0 on top, are free.
 
     trinary: those whose occupancy is below `free_below`, but not those of the gray that map savers write
     for unknown: it lies between the old default threshold (0.196) and the new one (0.25). scale: also those
     in between whose share of the way to `occupied_above` is under a half. raw: those whose value, in percent,
-    is below `free_below`.
+    is below `free_below`. Cells never seen count as free where they are specks among free ones.
     """
     if mode == "raw":
         percent = np.round(image * 255.0)
-        return percent < free_below * 100.0
+        occupied = (percent > occupied_above * 100.0) & (percent <= 100.0)
+        return _with_specks(percent < free_below * 100.0, occupied)
     occupancy = image if negate else 1.0 - image
+    occupied = occupancy > occupied_above
     if mode == "scale" and occupied_above > free_below:
-        return (occupancy - free_below) / (occupied_above - free_below) < 0.5
+        return _with_specks((occupancy - free_below) / (occupied_above - free_below) < 0.5, occupied)
     free = occupancy < free_below
-    unknown = np.round(image * 255.0) == UNKNOWN
-    return free & ~unknown if (free & ~unknown).any() else free
+    known = free & (np.round(image * 255.0) != UNKNOWN)
+    return _with_specks(known if known.any() else free, occupied)
+
+
+def _with_specks(free: Mask, occupied: Mask) -> Mask:
+    """The free cells and those never seen that lie in patches thinner than SPECK cells: shadows of rays."""
+    solid = np.pad(~free, SPECK, constant_values=True)
+    height, width = solid.shape
+    spots = [(row, column) for row in range(SPECK) for column in range(SPECK)]
+    kernel = np.ones((height - SPECK + 1, width - SPECK + 1), dtype=bool)
+    for row, column in spots:
+        kernel &= solid[row : row + kernel.shape[0], column : column + kernel.shape[1]]
+    thick = np.zeros(solid.shape, dtype=bool)
+    for row, column in spots:
+        thick[row : row + kernel.shape[0], column : column + kernel.shape[1]] |= kernel
+    return ~(occupied | thick[SPECK:-SPECK, SPECK:-SPECK])
 
 
 def largest_area(free: Mask) -> Mask:
