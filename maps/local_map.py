@@ -116,7 +116,8 @@ class LocalMap:
     metric: SOM of free space, weights (units, 2) m. hits: (units,) samples won by each metric unit. edges:
     (E, 2) kept lattice edges, i < j. blocked: the edges found blocked. perceptual: SOM of views, weights
     (units, 1024), or None. view_positions: (units, 2) m where those views were taken, NaN where none.
-    view_error: distance up to which a view passes for one taken nearby. entry_panorama: (4, 16, 16) at the node.
+    view_error: distance up to which a view passes for one taken nearby. entry_panorama: (4, 16, 16) at the
+    node.
 
     A map read from a file loads its content on first use and may then raise MapFileDamagedError.
     """
@@ -352,7 +353,7 @@ def _views(
 
 
 def _view_error(som: SOM, views: Floats) -> float:
-    """How far a view taken nearby may be: from its unit or from its nearest fellow, the larger of the means."""
+    """How far a view taken nearby may be: from its unit or its nearest fellow, the larger mean."""
     if len(views) == 1:
         return som.quantization_error(views)
     apart = squared_distances(views, views)

@@ -21,7 +21,7 @@ def lattice_walk(step: float = 0.02) -> NDArray[np.float64]:
 def panorama_at(x: float, y: float) -> NDArray[np.float64]:
     """Four views of a box with a pattern on its walls, smooth in the position."""
     rows, cols = np.mgrid[0:16, 0:16] / 16.0
-    views = [np.sin(8 * cols + 9 * x * (k + 1)) * np.cos(5 * rows + 7 * y * (4 - k)) for k in range(4)]
+    views = [np.sin(8 * cols + 3 * x * (k + 1)) * np.cos(5 * rows + 3 * y * (4 - k)) for k in range(4)]
     return np.clip(0.5 + 0.4 * np.array(views), 0.0, 1.0)
 
 

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 
 import networkx as nx
 import numpy as np
@@ -35,9 +36,7 @@ def test_paths_are_as_short_as_networkxs(seed: int, nodes: int, density: float) 
     path, length = shortest_path(0, nodes - 1, leaving, straight)
     assert length == pytest.approx(nx.shortest_path_length(graph, 0, nodes - 1, weight="weight"))
     steps = [0, *path]
-    assert sum(graph.edges[a, b]["weight"] for a, b in zip(steps, steps[1:], strict=False)) == pytest.approx(
-        length
-    )
+    assert sum(graph.edges[a, b]["weight"] for a, b in pairwise(steps)) == pytest.approx(length)
 
 
 def test_an_inconsistent_but_admissible_heuristic_still_gives_the_shortest_path() -> None:
