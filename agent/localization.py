@@ -7,6 +7,7 @@ one alone explains what was met; in a room that looks the same from several plac
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -27,7 +28,8 @@ class LocalizationConfig:
     turn_deviation: of a corner's turn. floor: no single length or turn speaks more strongly against a place.
     other_kind: what a corner of the other kind speaks against it. margin: by how much the best place must
     lead. misfit: how much may speak against the best place for each arc. least_arcs: whole arcs to have
-    seen. loops: after so many times round without a claim it is ambiguous.
+    seen. loops: after so many times round without a claim it is ambiguous. jump: no place falls farther
+    behind the best, so that the filter finds back after a stretch of boundary that has changed.
     """
 
     length_deviation: float = 0.006
@@ -39,6 +41,7 @@ class LocalizationConfig:
     misfit: float = 5.0
     least_arcs: int = 2
     loops: float = 1.5
+    jump: float = 24.0
 
 
 class BoundaryFilter:
@@ -58,6 +61,7 @@ class BoundaryFilter:
                 self._next[node] = (arc.end, arc.distance)
         self._into = dict(self._next.values())
         self.evidence: dict[int, float] = dict.fromkeys(nodes, 0.0)
+        self._latest: dict[int, tuple[float, ...]] = dict.fromkeys(nodes, ())
         self.arcs = 0
         self.length = 0.0
 
@@ -68,32 +72,49 @@ class BoundaryFilter:
 
     def corner(self, kind: str, length: float) -> None:
         """Tells the next corner, `length` m after the one before, or after the wall was met."""
-        config = self.config
-        first = self.arcs == 0 and self.length == 0.0
-        moved: dict[int, float] = {}
-        for node in self._corner:
-            if first:
-                into = self._into.get(node)
-                known = into is None or length <= into + 4.0 * self._deviation(into)
-                moved[node] = 0.0 if known else -config.floor
-        if not first:
-            for node, evidence in self.evidence.items():
-                if node in self._next:
-                    end, expected = self._next[node]
-                    z = (length - expected) / self._deviation(expected)
-                    moved[end] = evidence - min(config.floor, 0.5 * z * z)
-            self.arcs += 1
-        for node in moved:
-            if self._corner[node] != kind:
-                moved[node] -= config.other_kind
-        self.evidence = moved
+        first = self.length == 0.0
         self.length += max(length, 1e-9)
+        if first:
+            for node in self.evidence:
+                into = self._into.get(node)
+                if into is not None and length > into + 4.0 * self._deviation(into):
+                    self._speak(node, -self.config.floor)
+        else:
+            self.arcs += 1
+            self._move(length)
+        for node in self.evidence:
+            if self._corner[node] != kind:
+                self._speak(node, -self.config.other_kind)
+
+    def _move(self, length: float) -> None:
+        """Takes every place on to the next node, `length` m being what was driven."""
+        evidence = dict.fromkeys(self._corner, -math.inf)
+        latest: dict[int, tuple[float, ...]] = dict.fromkeys(self._corner, ())
+        for node, before in self.evidence.items():
+            if node not in self._next:
+                continue
+            end, expected = self._next[node]
+            z = (length - expected) / self._deviation(expected)
+            says = -min(self.config.floor, 0.5 * z * z)
+            evidence[end] = before + says
+            latest[end] = (*self._latest[node], says)[-self.config.least_arcs :]
+        least = max(evidence.values()) - self.config.jump
+        for node in evidence:
+            if evidence[node] < least:
+                evidence[node], latest[node] = least, ()
+        self.evidence, self._latest = evidence, latest
+
+    def _speak(self, node: int, says: float) -> None:
+        self.evidence[node] += says
+        if self._latest[node]:
+            *earlier, last = self._latest[node]
+            self._latest[node] = (*earlier, last + says)
 
     def turned(self, turn: float) -> None:
         """Tells how the boundary turned at the last corner (rad, counter-clockwise)."""
         for node in self.evidence:
             z = wrap_angle(turn - self._turn[node]) / self.config.turn_deviation
-            self.evidence[node] -= min(self.config.floor, 0.5 * z * z)
+            self._speak(node, -min(self.config.floor, 0.5 * z * z))
 
     @property
     def ranking(self) -> list[tuple[float, int]]:
@@ -109,7 +130,8 @@ class BoundaryFilter:
         if not ranking or self.arcs < self.config.least_arcs:
             return None
         best, node = ranking[0]
-        if best < -self.config.misfit * (self.arcs + 1):
+        latest = self._latest[node]
+        if len(latest) < self.config.least_arcs or sum(latest) < -self.config.misfit * len(latest):
             return None
         if len(ranking) > 1 and best - ranking[1][0] < self.config.margin:
             return None
@@ -169,8 +191,6 @@ class Localizer:
             self.node = claim
             self.agent.bus.publish(Localized(time=event.time, node=claim))
             self._end("localized")
-        elif not self.filter.evidence:
-            self._end("what was met is nowhere in the map")
         elif self.filter.length > self.filter.config.loops * self.filter.loop_length:
             rivals = ", ".join(map(str, self.filter.rivals))
             self._end(f"ambiguous: cannot tell nodes {rivals} apart")

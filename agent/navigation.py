@@ -74,7 +74,7 @@ class Navigator:
         try:
             arcs = self.map.path(self.node, goal)
         except MapError as error:
-            self.legs = []
+            self.legs, self.planned, self.path = [], (), [self.node]
             self._end(False, str(error))
             return
         self.drive(arcs)
@@ -89,6 +89,13 @@ class Navigator:
         self.path = [self.node, *(leg.target for leg in legs)]
         side = legs[-1].side if legs else self.arrival
         self.agent.start("go-to-node", GoAlong(legs, self._facing(self.path[-1], side)))
+
+    @property
+    def failed(self) -> Leg | None:
+        """The leg on which the last trip ended, if it did not arrive."""
+        if not self.done or self.reached or len(self.legs) >= len(self.planned):
+            return None
+        return self.planned[len(self.legs)]
 
     def _facing(self, node: int, side: str) -> float:
         """How far to turn (rad) from how one arrives by `side` to the node's entry heading."""

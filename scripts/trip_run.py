@@ -6,13 +6,16 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import asdict
+from pathlib import Path
 
 import numpy as np
 
 from ..agent import Agent
+from ..agent.goals import Leg, LegDriven
 from ..agent.localization import Localizer
+from ..agent.navigation import Navigator
 from ..maps.hybrid_map import HybridMap
-from ..maps.map_file import Truth, read_truth
+from ..maps.map_file import MapFile, Truth, read_truth
 from ..maps.meta import MapMeta
 from ..world import World
 from ..world.arenas import built_in_worlds, find_world
@@ -23,6 +26,8 @@ from .wiring import load_settings, make_agent, make_world
 
 LOST_BEYOND = 0.15
 """Meters from the node it says it is at beyond which a robot is lost."""
+ATTEMPTS = 4
+"""Ways tried to a node before a trip is given up."""
 _ANYWHERE = 7
 """What sets the draw of a start pose apart from the other uses of the seed."""
 TIME_PER_METER = 120.0
@@ -49,7 +54,10 @@ def go_to(request: GoRequest, progress: Callable[[Progress], None] = lambda prog
             node = trip.localize(hybrid_map)
         if node is None:
             return trip.give_up()
-        return trip.drive(make_navigator(profile, agent, hybrid_map, node, arrival), goal, truth)
+        report = trip.drive(make_navigator(profile, agent, hybrid_map, node, arrival), goal, truth)
+        if request.learn:
+            learn(request.map, report, trip.blocked)
+        return report
     finally:
         world.close()
 
@@ -118,12 +126,13 @@ class Trip:
         self._began = time.perf_counter()
         self._told = 0.0
         self._localizer: Localizer | None = None
+        self.blocked: list[tuple[int, int, str]] = []
 
     def localize(self, hybrid_map: HybridMap) -> int | None:
         """Drives along the boundary until the robot knows where it is; None if it never does."""
         self._localizer = localizer = Localizer(self.agent, hybrid_map)
         localizer.begin()
-        limit = 120.0 + 3.0 * TIME_PER_METER * localizer.filter.loop_length
+        limit = self.world.time + 120.0 + 3.0 * TIME_PER_METER * localizer.filter.loop_length
         self._run(lambda: localizer.done, limit, "finding out where it is")
         return localizer.node
 
@@ -138,20 +147,51 @@ class Trip:
         )
 
     def drive(self, navigator: AnyNavigator, goal: int, truth: Truth) -> GoReport:
-        """Drives to the goal and scores where it stops."""
-        navigator.go(goal)
-        limit = 120.0 + TIME_PER_METER * sum(leg.distance for leg in navigator.planned)
-        self._run(lambda: navigator.done, self.world.time + limit, f"on the way to node {goal}")
+        """Drives to the goal and scores where it stops.
+
+        An arc that cannot be driven is taken as blocked: the robot finds out where it is and looks for
+        another way, a few times.
+        """
+        path: list[int] = []
+        legs: list[LegDriven] = []
+        reasons: list[str] = []
+        for _ in range(ATTEMPTS):
+            reasons.append(self._attempt(navigator, goal))
+            legs += navigator.legs
+            path += navigator.path[: len(navigator.legs) + 1]
+            if not isinstance(navigator, Navigator) or (failed := navigator.failed) is None:
+                break
+            self._block(navigator.map, failed)
+            node = self.localize(navigator.map)
+            if node is None:
+                reasons.append(self._localizer.reason if self._localizer is not None else "")
+                break
+            navigator = Navigator(self.agent, navigator.map, node)
         pose = self.world.true_pose()
         place = Pose(*truth.nodes[goal]["pose"]) if goal in truth.nodes else None
         return self._report(
             reached=navigator.reached,
-            reason=navigator.reason if navigator.done else f"not there after {limit:.0f} s",
-            path=tuple(navigator.path),
-            legs=tuple(_leg_values(asdict(leg)) for leg in navigator.legs),
+            reason=reasons[-1] if navigator.reached else "; ".join(reasons),
+            path=tuple(path),
+            legs=tuple(_leg_values(asdict(leg)) for leg in legs),
             error=None if place is None else place.distance_to(pose),
             turn=None if place is None else math.degrees(abs(wrap_angle(pose.heading - place.heading))),
         )
+
+    def _attempt(self, navigator: AnyNavigator, goal: int) -> str:
+        """One try to get there; returns why it ended."""
+        navigator.go(goal)
+        limit = 120.0 + TIME_PER_METER * sum(leg.distance for leg in navigator.planned)
+        self._run(lambda: navigator.done, self.world.time + limit, f"on the way to node {goal}")
+        return navigator.reason if navigator.done else f"not there after {limit:.0f} s"
+
+    def _block(self, hybrid_map: HybridMap, leg: Leg) -> None:
+        """Marks an arc and its reverse as blocked, in memory."""
+        back = {"right": "left", "left": "right"}[leg.side]
+        for start, end, kind in ((leg.source, leg.target, leg.side), (leg.target, leg.source, back)):
+            if hybrid_map.graph.has_edge(start, end, kind):
+                hybrid_map.block(start, end, kind)
+                self.blocked.append((start, end, kind))
 
     def _run(self, done: Callable[[], bool], limit: float, message: str) -> None:
         while not done() and self.world.time < limit:
@@ -189,6 +229,21 @@ class Trip:
             localized_node=localizer.node if localizer is not None else None,
             localized_after_m=localizer.filter.length if localizer is not None and found else None,
         )
+
+
+def learn(path: Path, report: GoReport, blocked: list[tuple[int, int, str]]) -> None:
+    """Lets the map file learn from a trip: arcs driven to recognized ends, arcs found blocked."""
+    with MapFile.resume(path) as file:
+        changed = set()
+        for leg in report.legs:
+            key = (int(leg["from"]), int(leg["to"]), str(leg["side"]))
+            if leg["recognized"] and file.map.graph.has_edge(*key):
+                file.map.record_traversal(*key, float(leg["distance_m"]))
+                changed |= {key, (key[1], key[0], {"right": "left", "left": "right"}[key[2]])}
+        for key in blocked:
+            file.map.block(*key)
+            changed.add(key)
+        file.update(file.map, arcs=sorted(key for key in changed if file.map.graph.has_edge(*key)))
 
 
 def _leg_values(leg: dict[str, object]) -> dict[str, object]:
