@@ -1,0 +1,74 @@
+"""Profiles are data: what they name is built, and what a user asks for comes on top."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tolman.agent.mapping import Mapper
+from tolman.agent.navigation import Navigator
+from tolman.agent.thesis_mapping import ThesisMapper, ThesisMappingConfig
+from tolman.agent.thesis_navigation import ThesisNavigator
+from tolman.maps.hybrid_map import HybridMap
+from tolman.scripts.cli_options import PROFILES as OFFERED
+from tolman.scripts.profiles import (
+    PROFILES,
+    behavior_settings,
+    find_profile,
+    make_mapper,
+    make_navigator,
+)
+from tolman.scripts.requests import MapRequest, SessionError, Simulation
+from tolman.scripts.wiring import make_agent, make_world
+
+
+def test_the_command_line_offers_the_profiles_there_are() -> None:
+    assert set(OFFERED) == set(PROFILES)
+
+
+def test_an_unknown_profile_is_refused_with_the_nearest() -> None:
+    with pytest.raises(SessionError, match="did you mean thesis"):
+        find_profile("thesiss")
+
+
+def test_settings_asked_for_come_on_top_of_the_profiles() -> None:
+    asked = {"local-exploration": {"compass": True}, "wander": {}}
+    merged = behavior_settings(find_profile("thesis"), asked)
+    assert merged["local-exploration"] == {"landmarks": False, "compass": True}
+    assert behavior_settings(find_profile("thesis"), None)["local-exploration"]["compass"] is False
+
+
+def _no_local_map(samples: Any, heading: float) -> Any:
+    raise AssertionError("no local map is to be built here")
+
+
+@pytest.mark.parametrize(
+    ("name", "mapper", "navigator"),
+    [("default", Mapper, Navigator), ("thesis", ThesisMapper, ThesisNavigator)],
+)
+def test_a_profile_names_its_mapper_and_navigator(name: str, mapper: type, navigator: type) -> None:
+    profile = find_profile(name)
+    simulation = Simulation(profile=name, engine="kinematic")
+    world = make_world(simulation, "env1", {}, None)
+    agent = make_agent(simulation, world, {})
+    hybrid = HybridMap()
+    hybrid.add_node()
+    request = MapRequest(world="env1", output=Path("unused"), profile=name)
+    built = make_mapper(profile, request, agent, hybrid, _no_local_map, lambda node, met_at: None)
+    assert isinstance(built, mapper)
+    assert isinstance(make_navigator(profile, agent, hybrid, 0, None), navigator)
+
+
+def test_profile_thesis_explores_by_path_integration_alone() -> None:
+    simulation = Simulation(profile="thesis", engine="kinematic")
+    agent = make_agent(simulation, make_world(simulation, "env1", {}, None), {})
+    config = agent.behavior("local-exploration").config
+    assert not config.landmarks
+    assert not config.compass
+
+
+def test_profile_thesis_has_the_published_thresholds() -> None:
+    profile = find_profile("thesis")
+    assert profile.closing == 1.0  # D_a, the best of the three
+    config = ThesisMappingConfig()
+    assert (math.degrees(config.angle), config.distance) == pytest.approx((45.0, 0.05))
