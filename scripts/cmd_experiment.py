@@ -97,7 +97,6 @@ def run(options: argparse.Namespace) -> int:
         outcome = run_plan(
             plan,
             options.work,
-            version,
             processes=options.jobs,
             dask=options.dask,
             progress=lambda what, done, total: line.show(f"{what}: {done} of {total} runs"),

@@ -15,6 +15,7 @@ from .campaign import Job, Result, Store, run_campaign
 from .cli_errors import did_you_mean
 from .experiment_mapping import mapping_job, run_mapping
 from .experiment_traversal import run_traversal, traversal_job
+from .experiment_version import TRAVERSALS, code_version
 from .requests import SessionError
 
 ENVIRONMENTS = ("env1", "env2", "env3")
@@ -102,7 +103,6 @@ Progress = Callable[[str, int, int], None]
 def run_plan(
     plan: Plan,
     folder: Path,
-    version: str,
     *,
     processes: int = 1,
     dask: str | None = None,
@@ -110,18 +110,17 @@ def run_plan(
 ) -> Outcome:
     """Runs what the plan needs and the work folder does not have yet. Raises: CampaignError."""
     folder.mkdir(parents=True, exist_ok=True)
-    store = Store(folder / "results.jsonl", version)
     outcome = Outcome()
     work = Work(folder)
 
-    def campaign(what: str, planned: Mapping[tuple[str, str, str], list[Job]]) -> None:
+    def campaign(what: str, version: str, planned: Mapping[tuple[str, str, str], list[Job]]) -> None:
         jobs = [job for group in planned.values() for job in group]
         results = iter(
             run_campaign(
                 jobs,
                 work,
                 processes=processes,
-                store=store,
+                store=Store(folder / f"{what}.jsonl", version),
                 dask=dask,
                 progress=lambda done, total: progress(what, done, total),
             )
@@ -130,8 +129,8 @@ def run_plan(
             outcome.jobs[key] = group
             outcome.results[key] = [next(results) for _ in group]
 
-    campaign("mapping", _mapping_jobs(plan))
-    campaign("traversals", _traversal_jobs(plan, outcome))
+    campaign("mappings", code_version(), _mapping_jobs(plan))
+    campaign("traversals", code_version(TRAVERSALS), _traversal_jobs(plan, outcome))
     return outcome
 
 

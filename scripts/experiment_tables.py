@@ -26,12 +26,18 @@ def of_runs(
     return values
 
 
-def of_nodes(kind: str, name: str, scale: float, column: int | None = None) -> Values:
-    """A list's values of all runs together; one column of it where it holds pairs."""
+def of_nodes(
+    kind: str, name: str, scale: float, column: int | None = None, nodes: slice = slice(None)
+) -> Values:
+    """A list's values of all runs together, or of some nodes; one column of it where it holds pairs."""
 
     def values(outcome: Outcome, world: str, profile: str) -> list[float]:
         lists = (result[name] for result in outcome.of(kind, world, profile))
-        return [scale * float(item if column is None else item[column]) for items in lists for item in items]
+        return [
+            scale * float(item if column is None else item[column])
+            for items in lists
+            for item in items[nodes]
+        ]
 
     return values
 
@@ -155,6 +161,16 @@ TABLES = (
                 "deg",
                 of_nodes(LOCAL, "explored", _DEGREES, 1),
                 published=("heading error, mean", "heading error, least", "heading error, greatest"),
+            ),
+            *(
+                Figure(
+                    f"{what}, explored by {strategy}", unit, of_nodes(LOCAL, "explored", scale, column, nodes)
+                )
+                for strategy, nodes in (("rows", slice(0, None, 2)), ("columns", slice(1, None, 2)))
+                for what, unit, scale, column in (
+                    ("position error", "cm", 100.0, 0),
+                    ("heading error", "deg", _DEGREES, 1),
+                )
             ),
             Figure("position error when driving on", "cm", of_nodes(LOCAL, "docked", 100, 0)),
             Figure("heading error when driving on", "deg", of_nodes(LOCAL, "docked", _DEGREES, 1)),

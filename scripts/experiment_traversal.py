@@ -16,6 +16,7 @@ from typing import Any
 
 from ..agent import Agent
 from ..agent.events import NodePassed
+from ..agent.goals import ReturnToCorner
 from ..agent.navigation import LocalNavigator, Navigator
 from ..agent.thesis_navigation import Correction, ThesisNavigator
 from ..maps.hybrid_map import Arc, HybridMap
@@ -184,6 +185,20 @@ class TraversalRun:
             self.scores.local_reached += local.reached
         local.home()
         self._run_local(local)
+        if isinstance(self.navigator, Navigator):
+            self._come_to_corner(node)
+
+    def _come_to_corner(self, node: int) -> None:
+        """Corrects what driving the local map left, as profile `default` does after exploring one."""
+        corner, side = self.map.graph.nodes[node]["corner"], self.map.meta.side
+        room = [arc.distance for arc in self.map.leaving(node) if arc.kind not in (side, "foray")]
+        if corner == "none" or not room:
+            return
+        self.agent.start("position-correction", ReturnToCorner(side, corner, room[0]))
+        until = self.world.time + _TIME_AT_NODE
+        while self.agent.is_active("position-correction") and self.world.time < until:
+            self.agent.tick()
+            self.world.step()
 
     def _run_local(self, local: LocalNavigator) -> None:
         until = self.world.time + _TIME_AT_NODE

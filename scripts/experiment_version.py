@@ -7,23 +7,24 @@ from importlib import resources
 from importlib.metadata import version
 
 _COMPUTING = ("tolman.world", "tolman.maps", "tolman.agent", "tolman.behaviors", "tolman.scripts")
-_SCRIPTS = (
+_MAPPING = (
     "experiment_mapping.py",
     "experiment_probes.py",
-    "experiment_traversal.py",
     "mapping_run.py",
     "profiles.py",
     "wiring.py",
 )
-"""Of the scripts only those that a run's figures depend on: a new layout of the report costs no new runs."""
+"""Of the scripts only those that mappings depend on: a new layout of the report costs no new runs."""
+TRAVERSALS = ("experiment_traversal.py",)
+"""What traversals depend on besides."""
 
 
-def code_version() -> str:
-    """The package's version and a digest of the source that runs depend on, worlds included."""
+def code_version(scripts: tuple[str, ...] = ()) -> str:
+    """The package's version and a digest of the source that mappings, and `scripts`, depend on."""
     digest = hashlib.sha256()
     for package in _COMPUTING:
         for entry in sorted(resources.files(package).iterdir(), key=lambda entry: entry.name):
-            counts = entry.name in _SCRIPTS if package == "tolman.scripts" else True
+            counts = entry.name in (*_MAPPING, *scripts) if package == "tolman.scripts" else True
             if counts and entry.name.endswith((".py", ".yaml")):
                 digest.update(f"{package}/{entry.name}\n".encode())
                 digest.update(entry.read_bytes())

@@ -18,10 +18,10 @@ PLAN = Plan(("table-4.3",), 1, 1, 3, ("env1",), ("default", "thesis"))
 @pytest.mark.slow
 def test_finished_runs_are_not_run_again_and_figures_are_drawn(tmp_path: Path) -> None:
     told: list[tuple[str, int, int]] = []
-    first = run_plan(PLAN, tmp_path, "1")
-    again = run_plan(PLAN, tmp_path, "1", progress=lambda what, done, total: told.append((what, done, total)))
+    first = run_plan(PLAN, tmp_path)
+    again = run_plan(PLAN, tmp_path, progress=lambda what, done, total: told.append((what, done, total)))
     assert again.results == first.results
-    assert told[0] == ("mapping", 2, 2)
+    assert told[0] == ("mappings", 2, 2)
     pictures = draw_figures(PLAN, again, tmp_path, tmp_path / "figures", tmp_path)
     assert [(tmp_path / path).stat().st_size > 10_000 for _, path in pictures] == [True, True]
     thesis = first.of(GLOBAL, "env1", "thesis")[0]
