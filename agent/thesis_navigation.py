@@ -175,8 +175,6 @@ class ThesisNavigator:
         assert local_map is not None
         estimate = local_map.locate(panorama, "best")
         x, y = (float(value) for value in estimate.position)
-        if not (math.isfinite(x) and math.isfinite(y)):
-            x = y = 0.0  # a unit that no sample was tied to: nothing to correct by
         self.corrections.append(Correction(self.node, (x, y), estimate.distance))
         self._phase = Driving.CENTER
         self.agent.start("local-go-to", GoThrough(((0.0, 0.0),), (x, y, 0.0), 0.0))
