@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ..agent.thesis_mapping import ThesisMapper
+from ..world.base import SimulationError
 from ..world.robot import Pose
 from .campaign import Job
 from .experiment_probes import AT_NODE, ExplorationProbe, LapProbe, TrainingRun
@@ -62,6 +63,8 @@ def run_mapping(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """
     path = map_path(folder, Job(settings))
     path.parent.mkdir(parents=True, exist_ok=True)
+    for left_over in path.parent.glob(f"{path.stem}-*"):  # of a run that was killed
+        left_over.unlink()
     growing = path.with_name(f"{path.stem}-{os.getpid()}.tolman")
     request = MapRequest(
         world=str(settings["world"]),
@@ -82,7 +85,10 @@ def run_mapping(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         kind = TrainingRun if settings["training"] else MappingRun
         run = kind(request, world, file, {}, profile, lambda progress: None)
         lap, exploration = LapProbe(run), ExplorationProbe(run)
-        run.drive()
+        try:
+            run.drive()
+        except SimulationError as error:  # counts as a run that did not get round; the others go on
+            run.reason, run.wall_time = str(error), 0.0
         result = run.report().to_json()
         result["finished"] = run.reason in ("loop closed", "lap")
         result["path_integration_error_m"] = lap.error

@@ -21,6 +21,7 @@ from ..agent.navigation import LocalNavigator, Navigator
 from ..agent.thesis_navigation import Correction, ThesisNavigator
 from ..maps.hybrid_map import Arc, HybridMap
 from ..world import World
+from ..world.base import SimulationError
 from ..world.robot import Pose, wrap_angle
 from .campaign import Job
 from .experiment_mapping import map_path, run_mapping
@@ -69,7 +70,10 @@ def run_traversal(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         run = TraversalRun(
             simulation, world, hybrid_map, truth.nodes, first, corrected=bool(settings["corrected"])
         )
-        run.drive()
+        try:
+            run.drive()
+        except SimulationError as error:  # counts as lost; the others go on
+            run.lost = run.lost or str(error)
         return run.result()
     finally:
         world.close()
