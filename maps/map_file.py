@@ -97,7 +97,8 @@ class MapFile:
         target = Path(path)
         if not target.is_file():
             raise MapFileError(f"{target}: there is no such file to resume")
-        lock = Lock.acquire(target)
+        with file_errors(target, "resume"):
+            lock = Lock.acquire(target)
         try:
             with file_errors(target, "resume"), damage(target):
                 connection = _connect(target, create=False)

@@ -3,7 +3,7 @@ from __future__ import annotations
 import os
 import shutil
 import sqlite3
-import stat
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -252,15 +252,25 @@ def test_recovering_onto_the_file_itself_is_refused(sealed: Path) -> None:
         recover(sealed, sealed, force=True)
 
 
-@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
-def test_a_read_only_folder_gives_a_clear_error(sealed: Path) -> None:
-    sealed.parent.chmod(stat.S_IRUSR | stat.S_IXUSR)
+def test_a_read_only_folder_gives_clear_errors_and_can_be_read(made: Path) -> None:
+    folder = Path(tempfile.mkdtemp())  # pytest's own folders are closed to other users
+    sealed = Path(shutil.copy(made, folder / "m.tolman"))
+    sealed.chmod(0o644)
+    folder.chmod(0o555)
+    user = os.geteuid()
     try:
-        with pytest.raises(MapFileError, match="cannot"):
-            MapFile.resume(sealed)
-        HybridMap.load(sealed)
+        if user == 0:
+            os.seteuid(65534)  # root may write anywhere
+        for attempt in (MapFile.resume, MapFile.create, HybridMap().save):
+            target = sealed if attempt == MapFile.resume else folder / "new.tolman"
+            with pytest.raises(MapFileError, match="cannot .*: Permission denied") as caught:
+                attempt(target)
+            assert "\n" not in str(caught.value)
+        assert HybridMap.load(sealed).nodes() == [0, 1, 2]
     finally:
-        sealed.parent.chmod(stat.S_IRWXU)
+        os.seteuid(user)
+        folder.chmod(0o755)
+        shutil.rmtree(folder)
 
 
 def test_kills_lose_nothing_that_was_reported(tmp_path: Path) -> None:
