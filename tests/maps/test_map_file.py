@@ -263,7 +263,7 @@ def test_a_read_only_folder_gives_clear_errors_and_can_be_read(made: Path) -> No
             os.seteuid(65534)  # root may write anywhere
         for attempt in (MapFile.resume, MapFile.create, HybridMap().save):
             target = sealed if attempt == MapFile.resume else folder / "new.tolman"
-            with pytest.raises(MapFileError, match="cannot .*: Permission denied") as caught:
+            with pytest.raises(MapFileError, match=r"cannot .*: Permission denied") as caught:
                 attempt(target)
             assert "\n" not in str(caught.value)
         assert HybridMap.load(sealed).nodes() == [0, 1, 2]
