@@ -19,6 +19,13 @@ from ..agent.motion import drive_command, spin_command
 from ..agent.surroundings import SideView, WallFilter
 from ..world.robot import STOP, Percept, WheelCommand, wrap_angle
 
+_STEP_NEARER, _STEP_FARTHER = 5, 15
+"""Ticks in a row in which the wall must seem elsewhere, nearer or farther, before it is taken to be there."""
+_STEP_SPREAD = 0.06
+"""Standard deviation (rad) of a wall's direction beyond a step in it."""
+_SHY_TURN = 1.0
+"""Turn rate (rad/s) away from what is nearly touched."""
+
 
 @dataclass(frozen=True, slots=True)
 class WallFollowingConfig:
@@ -29,7 +36,8 @@ class WallFollowingConfig:
     lost_range: the side sensor sees no wall beyond it (m from the rim). advance_trim: how much of
     `distance` the robot has driven past the wall's end when it notices (m). gap_limit: how far to drive
     after a convex corner until the next wall must be at the side (m). settle: how much of a wall (m) tells
-    its direction.
+    its direction. intrusion: what juts out of the wall by more (m) is kept away from at once;
+    what comes nearer than shy (m from the rim) is turned away from.
     """
 
     distance: float = 0.057
@@ -41,6 +49,8 @@ class WallFollowingConfig:
     advance_trim: float = 0.001
     gap_limit: float = 0.14
     settle: float = 0.03
+    intrusion: float = 0.01
+    shy: float = 0.010
 
 
 class Following(Enum):
@@ -84,6 +94,7 @@ class WallFollowing(Behavior):
         self._path = 0.0
         self._leg = 0.0
         self._misses = 0
+        self._refused = 0
         self._remaining = 0.0
         self._turned = 0.0
         self._searching = self._swung = False
@@ -172,15 +183,35 @@ class WallFollowing(Behavior):
             return self._drive(-config.angle_gain * wall_filter.angle)
         self._misses = 0
         wall = view.side_wall()
-        if wall is not None:
-            if not wall_filter.correct(wall) and wall_filter.samples < 3:
-                self._meet(wall)
-        else:
+        if wall is None:
             wall_filter.correct_distance(
                 (context.geometry.body_radius + view.side) * math.cos(wall_filter.angle)
             )
-        error = max(-0.02, min(0.02, wall_filter.distance - config.distance))
-        return self._drive(-(config.angle_gain * wall_filter.angle + config.distance_gain * error))
+        elif wall_filter.correct(wall):
+            self._refused = 0
+        else:
+            self._refused += 1
+            near = wall[0] < wall_filter.distance
+            if wall_filter.samples < 3:
+                self._meet(wall)
+            elif self._refused > (_STEP_NEARER if near else _STEP_FARTHER):
+                # A step in the wall, more likely than a bend: the direction stays, if less sure.
+                self._filter = WallFilter(wall[0], wall_filter.angle, _STEP_SPREAD)
+                self._filter.samples = wall_filter.samples
+                self._refused = 0
+        return self._keep(view, context.geometry.body_radius + view.side)
+
+    def _keep(self, view: SideView, abreast: float) -> WheelCommand:
+        """Keeps the wall's distance; `abreast` (m) is that of what is beside the robot now, wall or not."""
+        config, wall = self.config, self._filter
+        if min(view.side, view.diagonal) < config.shy:
+            return self._drive(_SHY_TURN)
+        distance = wall.distance
+        if abreast < config.distance - config.intrusion:
+            # Something juts out that the filter does not know of: away from it first.
+            distance = min(distance, abreast)
+        error = max(-0.02, min(0.02, distance - config.distance))
+        return self._drive(-(config.angle_gain * wall.angle + config.distance_gain * error))
 
     def _advance(self, view: SideView, context: Context) -> WheelCommand:
         self._count(context)
@@ -270,7 +301,7 @@ class WallFollowing(Behavior):
 
     def _meet(self, wall: tuple[float, float]) -> None:
         self._filter = WallFilter(wall[0], wall[1], 0.03)
-        self._misses = 0
+        self._misses = self._refused = 0
 
     def _count(self, context: Context) -> None:
         self._path += context.distance
