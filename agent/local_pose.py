@@ -57,6 +57,11 @@ class LocalPose:
         """Of the heading (rad^2)."""
         return self._tt
 
+    @property
+    def place_deviation(self) -> float:
+        """Standard deviation of the place (m), in its worse direction at most."""
+        return math.sqrt(self._xx + self._yy)
+
     def move(self, distance: float, turn: float) -> None:
         """One tick of path integration (m, rad)."""
         middle = self.heading + 0.5 * turn

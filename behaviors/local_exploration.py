@@ -37,7 +37,7 @@ class LocalExplorationConfig:
     where the robot goes; stop_margin: the same while driving, touch_margin: where it drove before. landmarks:
     whether walls swept while turning correct the pose, compass: whether views do (profile `thesis`: path
     integration alone). compass_views: so many nearest panoramas are compared, and the first, none farther
-    than compass_range (m).
+    than compass_range (m). approach: how far at most to drive toward a wall lost sight of (m).
     """
 
     rows: int = 5
@@ -50,6 +50,7 @@ class LocalExplorationConfig:
     margin: float = 0.010
     stop_margin: float = 0.006
     touch_margin: float = 0.002
+    approach: float = 0.06
     landmarks: bool = True
     compass: bool = True
     compass_views: int = 3
@@ -65,6 +66,7 @@ class Exploring(Enum):
     RETREAT = "retreat"
     VIEW = "view"
     SCAN = "scan"
+    APPROACH = "approach"
     SQUARE_UP = "square-up"
 
 
@@ -90,6 +92,8 @@ class LocalExploration(Behavior):
         Transition("plan", Exploring.VIEW, Exploring.PLAN),
         Transition("scan", Exploring.PLAN, Exploring.SCAN),
         Transition("scanned", Exploring.SCAN, Exploring.PLAN),
+        Transition("nothing_seen", Exploring.SCAN, Exploring.APPROACH),
+        Transition("near_enough", Exploring.APPROACH, Exploring.SCAN),
         Transition("home", Exploring.PLAN, Exploring.SQUARE_UP),
     )
     config: LocalExplorationConfig
@@ -109,6 +113,8 @@ class LocalExploration(Behavior):
         self._retreats = 0
         self._scanned = not config.landmarks
         self._look_behind = False
+        self._wall_normal: float | None = None
+        self._approached = 0.0
         self._remaining = 0.0
         self._positions: list[tuple[float, float]] = []
         self._view_places: list[tuple[float, float]] = []
@@ -125,6 +131,7 @@ class LocalExploration(Behavior):
         self._scan = WallScan(context.geometry)
         self._pose = LocalPose(goal.heading, goal.square)
         self._look_behind = goal.corner == "convex"
+        self._wall_normal = goal.walls[0][0] if goal.walls else None
         for normal, distance, deviation in goal.walls:
             self._pose.know(normal, distance, deviation)
         for x, y in goal.points:
@@ -146,6 +153,8 @@ class LocalExploration(Behavior):
             command = self._view(percept, context)
         elif state is Exploring.SCAN:
             command = self._last_scan(percept, context)
+        elif state is Exploring.APPROACH:
+            command = self._approach(percept, context)
         else:
             command = self._square_up(context)
         return Proposal(command, 1.0, state.value)
@@ -281,10 +290,28 @@ class LocalExploration(Behavior):
         self._remaining -= context.turn
         if self._remaining > 0.01:
             return spin_command(context.geometry, self._remaining, self.config.turn_speed)
-        self._correct(context)
+        seen = self._correct(context)
+        if not seen and self._wall_normal is not None and self._approached == 0.0:
+            self.fire("nothing_seen")
+            return STOP
         self._scanned = True
         self.fire("scanned")
         return STOP
+
+    def _approach(self, percept: Percept, context: Context) -> WheelCommand:
+        """Toward where the wall it came along must be, until it is near enough to be told from the noise."""
+        assert self._wall_normal is not None
+        error = wrap_angle(self._wall_normal - self._pose.heading)
+        self._approached += abs(context.distance)
+        if self._approached == 0.0 and abs(error) > 0.006:
+            return spin_command(context.geometry, error, self.config.turn_speed)
+        points = obstacles(percept, context.geometry)
+        if self._approached >= self.config.approach or not is_free(points, context.geometry, 0.02, 0.005):
+            self._scan = WallScan(context.geometry)
+            self._remaining = math.tau
+            self.fire("near_enough")
+            return STOP
+        return drive_command(context.geometry, self.config.speed, 3.0 * max(-0.3, min(0.3, error)))
 
     def _square_up(self, context: Context) -> WheelCommand:
         remaining = wrap_angle(-self._pose.heading)
@@ -305,12 +332,14 @@ class LocalExploration(Behavior):
             self._scan.add(self._pose.heading, percept)
             self._memory.add(self._pose.pose, obstacles(percept, self._scan.geometry))
 
-    def _correct(self, context: Context) -> None:
-        """Corrects the pose by the walls swept over in the turn that has just ended."""
+    def _correct(self, context: Context) -> bool:
+        """Corrects the pose by the walls swept over in the turn that just ended; True if by a known one."""
+        known = False
         if self.config.landmarks and self._scan is not None:
             for wall in self._scan.walls():
-                self._pose.see(wall)
+                known |= self._pose.see(wall)
         self._scan = WallScan(context.geometry)
+        return known
 
     def _compare(self, panorama: Panorama, context: Context) -> None:
         """Corrects the heading by turning the panorama against the first and the nearest ones before it."""
@@ -322,7 +351,7 @@ class LocalExploration(Behavior):
                 continue
             turn = turn_between(self._panoramas[index], panorama, context.geometry.camera_field_of_view)
             if turn is not None:
-                deviation = _COMPASS + _PARALLAX * away[index]
+                deviation = _COMPASS + _PARALLAX * math.hypot(away[index], self._pose.place_deviation)
                 self._pose.turn_by_compass(turn.angle, deviation**2 + self._view_variances[index])
 
     def _due(self, places: list[tuple[float, float]], interval: float) -> bool:
