@@ -155,9 +155,9 @@ class ThesisMapper:
             self._before = here
             return
         turned = abs(wrap_angle(here.heading - before.heading))
-        if turned > self.config.angle and here.distance_to(before) > self.config.distance:
-            if self._settled(here.heading):
-                self._change(context)
+        changed = turned > self.config.angle and here.distance_to(before) > self.config.distance
+        if changed and self._settled(here.heading):
+            self._change(context)
 
     def _settled(self, heading: float) -> bool:
         """Whether the robot has stopped turning."""

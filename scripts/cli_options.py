@@ -161,3 +161,10 @@ def add_simulation(parser: argparse.ArgumentParser) -> None:
         help="folder whose .py files hold further behaviors (may be given more than once)",
     )
     add_json(parser)
+
+
+def add_isolate(parser: argparse.ArgumentParser) -> None:
+    """Adds `--isolate`."""
+    parser.add_argument(
+        "--isolate", action="store_true", help="run the behaviors of --plugins in subprocesses"
+    )

@@ -6,8 +6,8 @@ import argparse
 from pathlib import Path
 
 from .cli_command import Command
-from .cli_options import add_scale, add_simulation, node, pose
-from .cli_output import ProgressLine, check_input, print_json, stdout_to_stderr
+from .cli_options import add_isolate, add_scale, add_simulation, node, pose
+from .cli_output import ProgressLine, check_input, check_output, print_json, stdout_to_stderr
 
 DESCRIPTION = """Loads a map and drives to one of its nodes. Without --from, --at or --lost the robot
 starts where it was when the map was saved. The map is left as it is, unless --learn is given."""
@@ -34,7 +34,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_scale(parser)
     parser.add_argument("--learn", action="store_true", help="let the map learn from the trip")
+    parser.add_argument(
+        "--record", type=Path, metavar="RUN", help="record the trip, for `tolman replay` and `tolman explain`"
+    )
     add_simulation(parser)
+    add_isolate(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -42,6 +46,8 @@ def run(options: argparse.Namespace) -> int:
     check_input(options.map, "map")
     if options.config is not None:
         check_input(options.config, "file of settings")
+    if options.record is not None:
+        check_output(options.record, replace=True)
     from .session import GoRequest, Progress, go_to
 
     request = GoRequest(
@@ -60,6 +66,8 @@ def run(options: argparse.Namespace) -> int:
         config=options.config,
         plugins=tuple(options.plugins),
         scale=options.scale,
+        isolate=options.isolate,
+        record=options.record,
     )
     line = ProgressLine()
 

@@ -7,7 +7,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .cli_command import Command
-from .cli_options import add_force, add_scale, add_simulation, integer, number, one_of, picture, pose
+from .cli_options import (
+    add_force,
+    add_isolate,
+    add_scale,
+    add_simulation,
+    integer,
+    number,
+    one_of,
+    picture,
+    pose,
+)
 from .cli_output import ProgressLine, check_input, check_output, print_json, stdout_to_stderr
 
 if TYPE_CHECKING:
@@ -61,6 +71,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--record", type=Path, metavar="RUN", help="record the run, for `tolman replay` and `tolman explain`"
     )
     add_simulation(parser)
+    add_isolate(parser)
 
 
 def check(options: argparse.Namespace) -> None:
@@ -105,6 +116,7 @@ def run(options: argparse.Namespace) -> int:
         config=options.config,
         plugins=tuple(options.plugins),
         scale=options.scale,
+        isolate=options.isolate,
     )
     line = ProgressLine()
 

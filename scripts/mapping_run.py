@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..agent import Agent, PathIntegrator
-from ..agent.events import CornerReached, LocalMapBuilt, LoopClosed, NodeCreated
+from ..agent.events import CornerReached, LocalMapBuilt, LoopClosed, NodeCreated, Stuck
 from ..agent.goals import LocalSamples
 from ..maps.hybrid_map import HybridMap
 from ..maps.local_map import LocalMap
@@ -104,7 +104,9 @@ class MappingRun:
         self._committed: int | None = None
         self._loop_correct: bool | None = None
         self._travelled_at_corner = 0.0
+        self._stuck: str | None = None
         bus = self.agent.bus
+        bus.subscribe(Stuck, self._on_stuck)
         bus.subscribe(NodeCreated, self._on_node)
         bus.subscribe(LoopClosed, self._on_closed)
         bus.subscribe(LocalMapBuilt, self._on_local_map)
@@ -131,6 +133,8 @@ class MappingRun:
             raw.update(world.robots[0].sense().encoders)
             if mapper.done:
                 return mapper.reason
+            if self._stuck is not None:
+                return f"stuck: {self._stuck}"
             if max_time is not None and world.time >= max_time:
                 return "max time"
             if agent.odometry.travelled - self._travelled_at_corner > NO_CORNER_WITHIN:
@@ -172,6 +176,10 @@ class MappingRun:
         distance = self._met[event.met_at].distance_to(self.truth[event.node])
         self._loop_correct = distance <= CORRECT_WITHIN
         self._report_progress(f"loop closed at node {event.node}")
+
+    def _on_stuck(self, event: Stuck) -> None:
+        if event.given_up:
+            self._stuck = event.reason
 
     def _on_local_map(self, event: LocalMapBuilt) -> None:
         self._travelled_at_corner = self.agent.odometry.travelled

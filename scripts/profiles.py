@@ -33,7 +33,8 @@ class Profile:
     ("corners"), or by algorithm 1 ("turns"). navigator: arcs end at recognized corners ("corners"), or after
     their straight-line distance ("distance"). local_map: how local maps are trained. closing: threshold of
     eq. 3.33 in D_a ("turns" only). correct: whether the position is corrected by views at each node
-    ("distance" only). max_nodes: limit of a mapping where none is asked for.
+    ("distance" only). max_nodes: limit of a mapping where none is asked for. reflexes: behaviors that are
+    active from the first tick on.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Profile:
     closing: float | None = None
     correct: bool = False
     max_nodes: int | None = None
+    reflexes: tuple[str, ...] = ()
 
 
 THESIS_LOCAL_MAP = replace(THESIS_2, perceptual=replace(PERCEPTUAL_2, max_steps=1444, radius_end=1.5))
@@ -52,7 +54,7 @@ chosen so that D_a lets eq. 3.33 close about as often as published (decision rec
 
 PROFILES: Mapping[str, Profile] = MappingProxyType(
     {
-        "default": Profile("default"),
+        "default": Profile("default", reflexes=("free-itself", "obstacle-avoidance")),
         "thesis": Profile(
             "thesis",
             behaviors=MappingProxyType(

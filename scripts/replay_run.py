@@ -23,7 +23,7 @@ from .mission_requests import MissionRequest
 from .mission_session import MissionSession
 from .profiles import find_profile, make_navigator
 from .requests import GoRequest, MapRequest, Progress
-from .trip_run import Trip, _start
+from .trip_run import Trip, start_of
 from .wiring import make_agent
 
 
@@ -110,7 +110,7 @@ def _replay_trip(recording: Recording, world: ReplayWorld, folder: Path) -> None
     values = _common(asked, GoRequest) | {"map": path, "at": None if asked["at"] is None else Pose()}
     request = GoRequest(**values)
     hybrid_map, truth = HybridMap.load(path), read_truth(path)
-    _, node, arrival = _start(request, hybrid_map, truth)
+    _, node, arrival = start_of(request, hybrid_map, truth)
     stage = cast(World, world)
     agent = make_agent(request, stage, dict(recording.header["settings"]))
     world.robot.watch(agent)

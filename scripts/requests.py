@@ -28,7 +28,8 @@ class Simulation:
     """What every simulated run is made with.
 
     noise: a preset's name or values. config: a YAML file of settings. plugins: folders of behaviors.
-    scale: what the lengths of a world from a file are multiplied by.
+    scale: what the lengths of a world from a file are multiplied by. isolate: whether the behaviors of the
+    plugin folders run in subprocesses.
     """
 
     seed: int = 0
@@ -40,6 +41,7 @@ class Simulation:
     plugins: tuple[Path, ...] = ()
     engine: str = "dart"
     scale: float = 1.0
+    isolate: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,7 +66,10 @@ class MapRequest(Simulation):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GoRequest(Simulation):
-    """A trip. See `tolman go --help`; origin, at and lost exclude each other."""
+    """A trip. See `tolman go --help`; origin, at and lost exclude each other.
+
+    record: a file to record the trip in, for replay.
+    """
 
     map: Path
     to: int | str
@@ -73,6 +78,7 @@ class GoRequest(Simulation):
     lost: bool = False
     world: str | None = None
     learn: bool = False
+    record: Path | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

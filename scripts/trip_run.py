@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ..agent import Agent
+from ..agent.events import Stuck
 from ..agent.goals import Leg, LegDriven
 from ..agent.localization import Localizer
 from ..agent.navigation import Navigator
@@ -21,6 +22,7 @@ from ..world import World
 from ..world.arenas import built_in_worlds, find_world
 from ..world.robot import Pose, wrap_angle
 from .profiles import AnyNavigator, find_profile, make_navigator
+from .record_run import recorded
 from .requests import GoReport, GoRequest, Progress, SessionError
 from .wiring import load_settings, make_agent, make_world
 
@@ -45,16 +47,17 @@ def go_to(request: GoRequest, progress: Callable[[Progress], None] = lambda prog
     truth = read_truth(request.map)
     goal = hybrid_map.find(request.to)
     world_name = _world_of(request, hybrid_map.meta)
-    start, node, arrival = _start(request, hybrid_map, truth)
+    start, node, arrival = start_of(request, hybrid_map, truth)
     world = make_world(request, world_name, settings, start)
     try:
         agent = make_agent(request, world, settings)
         trip = Trip(request, world, agent, progress)
-        if node is None:
-            node = trip.localize(hybrid_map)
-        if node is None:
-            return trip.give_up()
-        report = trip.drive(make_navigator(profile, agent, hybrid_map, node, arrival), goal, truth)
+        with recorded(request.record, "go", request, agent, world, {"map": request.map.read_bytes()}):
+            if node is None:
+                node = trip.localize(hybrid_map)
+            if node is None:
+                return trip.give_up()
+            report = trip.drive(make_navigator(profile, agent, hybrid_map, node, arrival), goal, truth)
         if request.learn:
             learn(request.map, report, trip.blocked)
         return report
@@ -78,7 +81,7 @@ def _world_of(request: GoRequest, meta: MapMeta) -> str:
     return name
 
 
-def _start(request: GoRequest, hybrid_map: HybridMap, truth: Truth) -> tuple[Pose, int | None, str]:
+def start_of(request: GoRequest, hybrid_map: HybridMap, truth: Truth) -> tuple[Pose, int | None, str]:
     """Where the robot is put, and the node (None: not told) and arrival. Raises: SessionError, MapError."""
     meta = hybrid_map.meta
     if request.at is not None:
@@ -125,6 +128,8 @@ class Trip:
         self.request, self.world, self.agent, self.progress = request, world, agent, progress
         self._began = time.perf_counter()
         self._told = 0.0
+        self._stuck = False
+        agent.bus.subscribe(Stuck, self._on_stuck)
         self._localizer: Localizer | None = None
         self.blocked: list[tuple[int, int, str]] = []
 
@@ -183,7 +188,12 @@ class Trip:
         navigator.go(goal)
         limit = 120.0 + TIME_PER_METER * sum(leg.distance for leg in navigator.planned)
         self._run(lambda: navigator.done, self.world.time + limit, f"on the way to node {goal}")
+        if self._stuck and not navigator.done:
+            return "stuck"
         return navigator.reason if navigator.done else f"not there after {limit:.0f} s"
+
+    def _on_stuck(self, event: Stuck) -> None:
+        self._stuck |= event.given_up
 
     def _block(self, hybrid_map: HybridMap, leg: Leg) -> None:
         """Marks an arc and its reverse as blocked, in memory."""
@@ -194,7 +204,7 @@ class Trip:
                 self.blocked.append((start, end, kind))
 
     def _run(self, done: Callable[[], bool], limit: float, message: str) -> None:
-        while not done() and self.world.time < limit:
+        while not done() and self.world.time < limit and not self._stuck:
             self.agent.tick()
             self.world.step()
             if self.world.time - self._told >= 1.0:

@@ -68,16 +68,20 @@ def make_agent(
     robot: int = 0,
     profile: Profile | None = None,
 ) -> Agent:
-    """An agent for one of the world's robots, with every behavior that is found.
+    """An agent for one of the world's robots, with every behavior that is found and the reflexes at work.
 
     profile: None is the one that the simulation names.
 
     Behaviors from folders run under the default limits; without them nothing depends on the wall clock.
     Raises: PluginError, ConfigError, SessionError.
     """
-    configs = behavior_settings(profile or find_profile(simulation.profile), settings.get("behaviors"))
-    behaviors = build_behaviors(None, simulation.plugins, configs)
+    profile = profile or find_profile(simulation.profile)
+    configs = behavior_settings(profile, settings.get("behaviors"))
+    behaviors = build_behaviors(None, simulation.plugins, configs, isolate=simulation.isolate)
     mediator = load_mediator(settings.get("mediator", "priority"), simulation.plugins)
     limits = Limits() if simulation.plugins else Limits(budget=None)
     seed = np.random.SeedSequence([simulation.seed, robot])
-    return Agent(world.robots[robot], behaviors.values(), mediator=mediator, seed=seed, limits=limits)
+    agent = Agent(world.robots[robot], behaviors.values(), mediator=mediator, seed=seed, limits=limits)
+    for name in profile.reflexes:
+        agent.start(name)
+    return agent

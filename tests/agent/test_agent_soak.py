@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import pytest
-
 from tolman.scripts.soak_faults import KINDS, soak
 
 
