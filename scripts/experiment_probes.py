@@ -125,7 +125,8 @@ class ExplorationProbe:
 def training(samples: LocalSamples, seed: int, node: int) -> dict[str, Any]:
     """Trains both SOMs on one local map's samples in every configuration: steps, seconds, quantization error.
 
-    Seconds are the wall clock's, and the only figures of an experiment that differ from run to run.
+    Seconds are of processor time, so that a busy machine does not count; they are the only figures of an
+    experiment that differ from run to run.
     """
     places = samples.positions / DEFAULT.size + 0.5
     views = samples.panoramas.reshape(len(samples.panoramas), -1).astype(np.float64)
@@ -149,9 +150,9 @@ def _trained(
     seed: tuple[int, int],
 ) -> dict[str, Any]:
     random = np.random.default_rng(np.random.SeedSequence(list(seed)))
-    began = time.perf_counter()
+    began = time.process_time()
     som = SOM(size, size, config.topology).fit(data, getattr(config, part), random)
-    seconds = time.perf_counter() - began
+    seconds = time.process_time() - began
     assert som.training is not None
     winners = set(som.winners(data).tolist())
     return {
