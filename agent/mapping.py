@@ -55,14 +55,15 @@ class MappingConfig:
     """Settings of mapping.
 
     side: of the wall. local_maps: whether to explore around nodes. strategy: "rows", "columns" or
-    "alternate". max_nodes: end after so many, None for no limit. wall_distance: at which walls are
-    followed (m).
+    "alternate". max_nodes: end after so many, None for no limit. most_rounds: given up after so many times
+    round the boundary. wall_distance: at which walls are followed (m).
     """
 
     side: str = "right"
     local_maps: bool = True
     strategy: str = "alternate"
     max_nodes: int | None = None
+    most_rounds: float = 3.0
     wall_distance: float = 0.057
     closing: ClosingConfig = field(default_factory=ClosingConfig)
 
@@ -166,8 +167,16 @@ class Mapper:
             self._candidate, self._pending = candidate, [(index, event)]
             self.phase = Phase.CONFIRM
             return
+        if self._rounds() > self.config.most_rounds:
+            self._end(f"{self.config.most_rounds:.0f} rounds without recognizing a corner")
+            return
         self._add_node(index, event)
         self._explore()
+
+    def _rounds(self) -> float:
+        """How often the boundary has turned right round since the first corner."""
+        poses = self.trace.poses()
+        return abs(poses[-1].heading - poses[0].heading) / math.tau
 
     def _on_finished(self, event: BehaviorFinished) -> None:
         if event.behavior == "local-exploration" and self.phase is Phase.EXPLORE:

@@ -19,6 +19,8 @@ from ..agent.motion import drive_command, spin_command
 from ..agent.surroundings import SideView, WallFilter
 from ..world.robot import STOP, Percept, WheelCommand, wrap_angle
 
+_STEP = 0.006
+"""Meters by which what is abreast must be elsewhere than the wall."""
 _STEP_NEARER, _STEP_FARTHER = 5, 15
 """Ticks in a row in which the wall must seem elsewhere, nearer or farther, before it is taken to be there."""
 _STEP_SPREAD = 0.06
@@ -189,17 +191,25 @@ class WallFollowing(Behavior):
             )
         elif wall_filter.correct(wall):
             self._refused = 0
+        elif wall_filter.samples < 3:
+            self._meet(wall)
         else:
-            self._refused += 1
-            near = wall[0] < wall_filter.distance
-            if wall_filter.samples < 3:
-                self._meet(wall)
-            elif self._refused > (_STEP_NEARER if near else _STEP_FARTHER):
-                # A step in the wall, more likely than a bend: the direction stays, if less sure.
-                self._filter = WallFilter(wall[0], wall_filter.angle, _STEP_SPREAD)
-                self._filter.samples = wall_filter.samples
-                self._refused = 0
+            self._refuse((context.geometry.body_radius + view.side) * math.cos(wall_filter.angle))
         return self._keep(view, context.geometry.body_radius + view.side)
+
+    def _refuse(self, abreast: float) -> None:
+        """The line seen is not the wall's; if what is abreast (m) is elsewhere too, the wall has a step.
+
+        Where only the diagonal sensor disagrees there is a corner ahead. Beyond a step the direction is taken
+        to stay, if less surely.
+        """
+        wall = self._filter
+        step = abreast - wall.distance
+        self._refused = self._refused + 1 if abs(step) > _STEP else 0
+        if self._refused > (_STEP_FARTHER if step > 0.0 else _STEP_NEARER):
+            self._filter = WallFilter(abreast, wall.angle, _STEP_SPREAD)
+            self._filter.samples = wall.samples
+            self._refused = 0
 
     def _keep(self, view: SideView, abreast: float) -> WheelCommand:
         """Keeps the wall's distance; `abreast` (m) is that of what is beside the robot now, wall or not."""
