@@ -15,7 +15,7 @@ from typing import Any
 from ..agent.behavior import Behavior, Context, Proposal, Transition
 from ..agent.events import CornerReached, Event, WallMet
 from ..agent.goals import Follow, FollowFrom
-from ..agent.motion import drive_command, spin_command
+from ..agent.motion import drive_command, is_free, obstacles, spin_command
 from ..agent.surroundings import SideView, WallFilter
 from ..world.robot import STOP, Percept, WheelCommand, wrap_angle
 
@@ -139,7 +139,7 @@ class WallFollowing(Behavior):
         elif state is Following.GAP:
             command = self._gap(view, context)
         else:
-            command = self._search(view)
+            command = self._search(view, percept)
         return Proposal(command, 1.0, state.value)
 
     def emit(self, event: Event, context: Context) -> None:
@@ -158,10 +158,12 @@ class WallFollowing(Behavior):
 
     # --- states --------------------------------------------------------------------------------------
 
-    def _search(self, view: SideView) -> WheelCommand:
-        front = view.front_wall()
-        if front is not None and front[0] <= self.config.distance:
-            self._remaining = front[1]
+    def _search(self, view: SideView, percept: Percept) -> WheelCommand:
+        """Straight on until a wall is near, ahead or at a slant; then away from it."""
+        geometry, front = view.geometry, view.front_wall()
+        room = self.config.distance - geometry.body_radius - 0.002
+        if not is_free(obstacles(percept, geometry), geometry, 0.01, room):
+            self._remaining = front[1] if front is not None else 0.5 * math.pi
             self._searching = True
             self.fire("meet_wall")
             return STOP

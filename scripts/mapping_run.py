@@ -15,7 +15,7 @@ from ..agent.events import CornerReached, LocalMapBuilt, LoopClosed, NodeCreated
 from ..agent.goals import LocalSamples
 from ..maps.hybrid_map import HybridMap
 from ..maps.local_map import LocalMap
-from ..maps.map_file import RUN, MapFile, read_truth
+from ..maps.map_file import RUN, MapFile
 from ..maps.meta import MapMeta
 from ..world import World
 from ..world.robot import Pose
@@ -54,12 +54,10 @@ def open_map_file(request: MapRequest, world: World) -> MapFile:
     """The file that a mapping writes: a new one, or one to go on with. Raises: MapError, SessionError."""
     if request.resume:
         file = MapFile.resume(request.output)
-        if file.map.meta.world_digest != world.spec.digest:
-            name = file.map.meta.world
+        why = _why_not_resumed(request, world, file.map.meta)
+        if why:
             file.seal()
-            raise SessionError(
-                f"{request.output}: a map of {name}, not of {world.spec.name}: cannot be resumed there"
-            )
+            raise SessionError(f"{request.output}: {why}")
         return file
     meta = MapMeta(
         world=world.spec.name,
@@ -73,6 +71,26 @@ def open_map_file(request: MapRequest, world: World) -> MapFile:
         scalars={"noise_scale": request.noise_scale, "robot_model": request.model},
     )
     return MapFile.create(request.output, meta, force=request.force)
+
+
+def _why_not_resumed(request: MapRequest, world: World, meta: MapMeta) -> str:
+    """What keeps a map from being gone on with as asked; nothing if it can be."""
+    if meta.loop_closed:
+        return "this mapping is complete, its loop is closed; --force begins a new one"
+    if meta.world_digest != world.spec.digest:
+        return f"a map of {meta.world}, not of {world.spec.name}: cannot be resumed there"
+    began = {
+        "side": (meta.side, request.side),
+        "seed": (meta.seed, request.seed),
+        "noise": (meta.noise, request.noise),
+        "profile": (meta.profile, request.profile),
+        "noise-scale": (meta.scalars.get("noise_scale"), request.noise_scale),
+        "robot-model": (meta.scalars.get("robot_model"), request.model),
+    }
+    for name, (then, now) in began.items():
+        if then != now:
+            return f"begun with --{name} {then}, not {now}: resume it with the same"
+    return ""
 
 
 class MappingRun:
@@ -206,7 +224,6 @@ class MappingRun:
         return {
             **run_truth(self._track),
             "pose": [pose.x, pose.y, pose.heading],
-            "world": dict(self.world.state()),
         }
 
     def _state(self) -> dict[str, Any]:
@@ -216,12 +233,13 @@ class MappingRun:
             "raw": self.raw.state(),
             "truth": {str(node): [p.x, p.y, p.heading] for node, p in self.truth.items()},
             "driver": self.agent.driver,
+            "world": dict(self.world.state()),
         }
 
     def _restore(self) -> None:
         """Goes on where the last committed node left off, to the bit."""
         state: Any = self.file.state
-        self.world.restore(read_truth(self.request.output).run["world"])
+        self.world.restore(state["world"])
         self.mapper.restore(state["mapper"])
         self.agent.odometry.restore(state["odometry"])
         self.raw.restore(state["raw"])
