@@ -4,6 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ..world.robot import wrap_angle
+from .events import CornerReached, WallMet
+
+if TYPE_CHECKING:
+    from .agent import Agent
+
+_SETTLED = 0.03
+"""Meters of a wall that were followed before its direction was told."""
 
 
 @dataclass(slots=True)
@@ -32,3 +42,26 @@ class MismatchEstimate:
         gain = self.variance / (self.variance + noise)
         self.value += gain * innovation
         self.variance *= 1.0 - gain
+
+
+class MismatchLearner:
+    """Learns the wheels' mismatch from every straight wall that is followed, and has odometry use it."""
+
+    def __init__(self, agent: Agent, estimate: MismatchEstimate | None = None) -> None:
+        """Subscribes to what the wall follower tells of walls."""
+        self.estimate = estimate if estimate is not None else MismatchEstimate()
+        self._agent = agent
+        self._wall: WallMet | None = None
+        agent.bus.subscribe(WallMet, self._on_wall)
+        agent.bus.subscribe(CornerReached, self._on_corner)
+
+    def _on_wall(self, event: WallMet) -> None:
+        self._wall = event
+
+    def _on_corner(self, event: CornerReached) -> None:
+        wall, self._wall = self._wall, None
+        if wall is None:
+            return
+        turned = wrap_angle(event.heading - wall.heading)
+        self.estimate.straight(self._agent.robot.geometry.track, turned, event.path_length - _SETTLED)
+        self._agent.odometry.mismatch = self.estimate.value

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..maps.errors import MapError
 from ..world.robot import Pose, wrap_angle
+from .calibration import MismatchLearner
 from .events import BehaviorFinished, Lost, NodeReached
 from .goals import FollowFrom, GoAlong, GoThrough, Leg, LegDriven
 
@@ -67,6 +68,7 @@ class Navigator:
         self.done = False
         self.reached = False
         self.reason = ""
+        self.mismatch = MismatchLearner(agent)
         agent.bus.subscribe(BehaviorFinished, self._on_finished)
 
     def go(self, goal: int) -> None:

@@ -153,5 +153,6 @@ class GoToNode(Behavior):
         self.finish(False, reason, tuple(self._driven))
 
     def _hear(self, event: Event, context: Context) -> None:
+        context.publish(event)
         if isinstance(event, CornerReached):
             self._heard = event

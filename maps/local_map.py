@@ -40,6 +40,9 @@ class LocalMapConfig:
     locating: Method = "radial"
 
 
+_NEXT = 0.03
+"""Meters up to which two samples in a row count as joined by a drive."""
+
 DEFAULT = LocalMapConfig()
 """Profile `default`."""
 
@@ -154,7 +157,7 @@ class LocalMap:
             LocalMapContent(
                 metric=metric,
                 hits=frozen(metric.hits(places)),
-                edges=frozen(metric.kept_edges(places)),
+                edges=frozen(_free_edges(metric, places)),
                 entry_heading=float(entry_heading),
                 perceptual=perceptual,
                 view_positions=tied,
@@ -314,6 +317,19 @@ class LocalMap:
 
 def _distance(one: tuple[float, float], other: tuple[float, float]) -> float:
     return hypot(one[0] - other[0], one[1] - other[1])
+
+
+def _free_edges(metric: SOM, places: Floats) -> Ints:
+    """(E, 2) edges of free space: those of the lattice that samples keep, and those that were driven.
+
+    places: (n, 2) m, in the order in which they were sampled. Two samples in a row that are near each other
+    have free space between them, so their units are joined even where the lattice has no such edge.
+    """
+    kept = metric.kept_edges(places)
+    won = metric.winners(places)
+    apart = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    driven = np.column_stack((won[:-1], won[1:]))[(apart <= _NEXT) & (won[:-1] != won[1:])]
+    return np.unique(np.vstack((kept, np.sort(driven, axis=1))).astype(np.int64), axis=0)
 
 
 def _edges_fit(edges: Ints, units: int) -> bool:
