@@ -80,11 +80,12 @@ class RigidGraph:
 
     def drove(self, a: Cell, b: Cell) -> None:
         """Remembers that the arc between two neighbors is free: it was driven."""
-        self._driven.add_edge(a, b)
+        if a != b:
+            self._driven.add_edge(a, b)
 
     def was_driven(self, a: Cell, b: Cell) -> bool:
-        """Whether the arc between two neighbors was driven."""
-        return bool(self._driven.has_edge(a, b))
+        """Whether the arc between two neighbors was driven; within one place there is nothing to drive."""
+        return a == b or bool(self._driven.has_edge(a, b))
 
     def block(self, a: Cell, b: Cell) -> None:
         """Remembers that an obstacle parts two neighbors."""

@@ -28,6 +28,10 @@ _PATIENCE = 12
 """Retreats before obstacles after which exploration goes home."""
 
 
+_BEHIND = -0.04
+"""Places with x below it (m) have the wall at their side by which a convex corner was reached."""
+
+
 @dataclass(frozen=True, slots=True)
 class LocalExplorationConfig:
     """Settings of local exploration.
@@ -115,6 +119,7 @@ class LocalExploration(Behavior):
         self._look_behind = False
         self._wall_normal: float | None = None
         self._approached = 0.0
+        self._facing = self._astray = False
         self._remaining = 0.0
         self._positions: list[tuple[float, float]] = []
         self._view_places: list[tuple[float, float]] = []
@@ -166,6 +171,9 @@ class LocalExploration(Behavior):
             self._begin_view()
             return STOP
         self._target = self._next_cell()
+        if self._target is None and self._astray:
+            self._astray = False
+            self._target = self._here
         if self._target is not None:
             self.fire("aim")
         elif not self._scanned:
@@ -194,8 +202,11 @@ class LocalExploration(Behavior):
 
     def _lookout(self) -> Cell:
         """Where to look at walls last: at the node if walls stand around it, else beside the wall behind."""
-        behind = (self._rigid.center[0], 0)
-        return behind if self._look_behind and behind in self._visited else self._rigid.center
+        if not self._look_behind or self._wall_normal is None:
+            return self._rigid.center
+        behind = [cell for cell in sorted(self._visited) if self._rigid.places[cell][0] < _BEHIND]
+        sine = math.sin(self._wall_normal)
+        return max(behind, key=lambda cell: self._rigid.places[cell][1] * sine, default=self._rigid.center)
 
     def _aim(self, percept: Percept, context: Context) -> WheelCommand:
         assert self._target is not None
@@ -291,7 +302,9 @@ class LocalExploration(Behavior):
         if self._remaining > 0.01:
             return spin_command(context.geometry, self._remaining, self.config.turn_speed)
         seen = self._correct(context)
-        if not seen and self._wall_normal is not None and self._approached == 0.0:
+        lookout = not self._look_behind or self._here != self._rigid.center
+        if not seen and lookout and self._wall_normal is not None and not self._astray:
+            self._astray = True
             self.fire("nothing_seen")
             return STOP
         self._scanned = True
@@ -302,9 +315,10 @@ class LocalExploration(Behavior):
         """Toward where the wall it came along must be, until it is near enough to be told from the noise."""
         assert self._wall_normal is not None
         error = wrap_angle(self._wall_normal - self._pose.heading)
-        self._approached += abs(context.distance)
-        if self._approached == 0.0 and abs(error) > 0.006:
+        if not self._facing:
+            self._facing = abs(error) <= 0.006
             return spin_command(context.geometry, error, self.config.turn_speed)
+        self._approached += abs(context.distance)
         points = obstacles(percept, context.geometry)
         if self._approached >= self.config.approach or not is_free(points, context.geometry, 0.02, 0.005):
             self._scan = WallScan(context.geometry)

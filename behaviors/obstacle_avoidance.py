@@ -39,6 +39,10 @@ class ObstacleAvoidanceConfig:
     gain: float = 1.0 / 16.0
 
 
+_SPIN = 100.0
+"""Radians a meter beyond which a motion counts as turning in place: a circle of 1 cm."""
+
+
 class ObstacleAvoidance(Behavior):
     """Turns in place, away from what is nearest, until there is room ahead.
 
@@ -87,6 +91,9 @@ class ObstacleAvoidance(Behavior):
         if not near:
             if not clear:
                 self.fire("cleared")
+            return None
+        if clear and abs(context.turn) > _SPIN * abs(context.distance):
+            # Another behavior turns in place: a round robot hits nothing by that, and wants to finish.
             return None
         drive = weighted(infrared) * self.config.gain
         if clear:

@@ -54,7 +54,14 @@ chosen so that D_a lets eq. 3.33 close about as often as published (decision rec
 
 PROFILES: Mapping[str, Profile] = MappingProxyType(
     {
-        "default": Profile("default", reflexes=("free-itself", "obstacle-avoidance")),
+        "default": Profile(
+            "default",
+            # Nearer than what local exploration stops for by itself, or the two would take turns for ever.
+            behaviors=MappingProxyType(
+                {"obstacle-avoidance": MappingProxyType({"front": 0.004, "diagonal": 0.004})}
+            ),
+            reflexes=("free-itself", "obstacle-avoidance"),
+        ),
         "thesis": Profile(
             "thesis",
             behaviors=MappingProxyType(
