@@ -313,7 +313,7 @@ class Mapper:
     def _learn_mismatch(self, event: CornerReached) -> None:
         """The wall just followed was straight: whatever odometry turned along it is the wheels' doing."""
         wall = self._wall
-        if wall is None or not self.trace.is_right_angled:
+        if wall is None:
             return
         turned = wrap_angle(event.heading - wall.heading)
         self.mismatch.straight(self.agent.robot.geometry.track, turned, event.path_length - 0.03)
