@@ -23,6 +23,12 @@ _CORNER = 0.008
 """A hit of the diagonal sensor this near (m) to the wall ahead may be on it."""
 
 
+_FAR = 0.065
+"""Meters from the rim up to which the wall is still followed: exploration may have strayed from it."""
+_LATE = 0.0018
+"""Meters beyond a wall's end at which, so far out, it is noticed; 1 mm for the wall follower itself."""
+
+
 @dataclass(frozen=True, slots=True)
 class PositionCorrectionConfig:
     """Settings of the position correction.
@@ -66,6 +72,7 @@ class PositionCorrection(Behavior):
         Transition("far_enough", Correcting.BACK, Correcting.MEASURE_AGAIN),
         Transition("measured_again", Correcting.MEASURE_AGAIN, Correcting.TURN_AGAIN),
         Transition("follow", (Correcting.MEASURE_AGAIN, Correcting.TURN_AGAIN), Correcting.FOLLOW),
+        Transition("try_again", Correcting.FOLLOW, Correcting.BACK),
     )
     config: PositionCorrectionConfig
 
@@ -78,7 +85,10 @@ class PositionCorrection(Behavior):
         self._remaining = 0.0
         self._backed = 0.0
         self._path = 0.0
-        self._follower = WallFollowing(angle_gain=3.0, distance_gain=60.0)
+        self._again = False
+        self._follower = WallFollowing(
+            angle_gain=3.0, distance_gain=60.0, lost_range=_FAR, advance_trim=_LATE
+        )
         self._follower.emit = self._hear  # type: ignore[method-assign]
         self._wall = WallFilter(self._follower.config.distance, 0.0, 0.03)
         self._heard: CornerReached | None = None
@@ -161,7 +171,7 @@ class PositionCorrection(Behavior):
         unseen = self._follower.config.distance if self._goal.kind == "convex" else 0.0
         room = min(self.config.back_off + unseen, self._goal.room)
         blocked = not is_free(obstacles(percept, geometry), geometry, -0.01, self.config.margin)
-        if self._backed >= room or blocked:
+        if self._backed - self._path >= room or blocked:
             self.fire("far_enough")
             return STOP
         slant = max(-0.2, min(0.2, 6.0 * (wall.distance - self._follower.config.distance)))
@@ -174,6 +184,8 @@ class PositionCorrection(Behavior):
         beside = self._view is not None and self._view.side < self._follower.config.lost_range
         start = FollowFrom.WALL if beside else FollowFrom.GAP
         self._follower.on_start(Follow(self._goal.side, start), context)
+        if beside and self._view is not None and self._view.side_wall() is None:
+            self._follower.expect(context.geometry.body_radius + self._view.side)
 
     def _follow(self, percept: Percept, context: Context) -> Proposal:
         assert self._goal is not None
@@ -185,12 +197,22 @@ class PositionCorrection(Behavior):
             if corner.kind == self._goal.kind and abs(self._path - self._backed) <= self.config.tolerance:
                 self.finish(True, f"at the {corner.kind} corner again", corner)
                 return Proposal(STOP, 1.0, "arrived")
+            if corner.kind == self._goal.kind and not self._again:
+                return self._try_again()
             self.finish(False, f"met a {corner.kind} corner after {self._path:.3f} m instead", corner)
             return Proposal(STOP, 1.0, "another corner")
         if self._path > self._backed + self.config.tolerance:
             self.finish(False, f"no corner within {self._path:.3f} m", None)
             return Proposal(STOP, 1.0, "no corner")
         return proposal
+
+    def _try_again(self) -> Proposal:
+        """The wall was lost, not at its end: backs off once more, with what following has learned of it."""
+        self._again = True
+        skew = (self._view.sign if self._view is not None else 1.0) * self._follower.skew
+        self._wall = WallFilter(self._follower.config.distance, skew, 0.1)
+        self.fire("try_again")
+        return Proposal(STOP, 1.0, "once more")
 
     def _hear(self, event: Event, context: Context) -> None:
         if isinstance(event, CornerReached):

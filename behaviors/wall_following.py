@@ -151,6 +151,10 @@ class WallFollowing(Behavior):
         """Meters driven since the start or the last corner, turns in place not counted."""
         return self._path
 
+    def expect(self, distance: float) -> None:
+        """Tells how far (m) the robot's center is from the wall, where that is not the set distance."""
+        self._filter = WallFilter(distance, 0.0, 0.1)
+
     @property
     def skew(self) -> float:
         """The robot's heading (rad, counter-clockwise) from the direction of the wall it follows."""
