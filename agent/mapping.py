@@ -253,8 +253,8 @@ class Mapper:
         self.phase = Phase.RETURN
         length = self.trace.corners[-1].length or self._corner.path_length
         if len(self.trace.corners) > 1 and self.trace.corners[-2].kind == "convex":
-            # The wall begins only that much after the node before.
-            length -= self.config.wall_distance
+            # The wall begins only that much after the node before, and its end is seen blurred.
+            length -= self.config.wall_distance + 0.015
         self.agent.start("position-correction", ReturnToCorner(self.config.side, self._corner.kind, length))
 
     def _commit(self) -> None:

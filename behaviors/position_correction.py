@@ -29,6 +29,10 @@ _LATE = 0.0018
 """Meters beyond a wall's end at which, so far out, it is noticed; 1 mm for the wall follower itself."""
 
 
+_WELL_KNOWN, _ODD = 15, math.radians(6.0)
+"""Lines of a wall after which its direction is known, and how far a later view may differ (rad)."""
+
+
 @dataclass(frozen=True, slots=True)
 class PositionCorrectionConfig:
     """Settings of the position correction.
@@ -127,7 +131,11 @@ class PositionCorrection(Behavior):
         if self._ticks < self.config.samples:
             return STOP
         seen = len(self._angles) >= self.config.samples // 2
-        self._remaining = -self._view.sign * sum(self._angles) / len(self._angles) if seen else 0.0
+        mean = sum(self._angles) / len(self._angles) if seen else 0.0
+        if again and self._wall.samples >= _WELL_KNOWN and abs(mean - self._wall.angle) > _ODD:
+            # Part of a sensor's cone misses the wall here; on the way back it was seen well.
+            mean = self._wall.angle
+        self._remaining = -self._view.sign * mean
         self._angles.clear()
         self._ticks = 0
         if again:
