@@ -45,7 +45,7 @@ class ClosingConfig:
     confirmations: int = 2
     length_gate: float = 0.03
     length_slope: float = 0.05
-    square_limit: float = 0.07
+    square_limit: float = 0.05
 
 
 @dataclass(slots=True)
