@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from tolman.agent.boundary import BoundaryTrace, ClosingConfig
 from tolman.world.robot import wrap_angle
@@ -101,6 +101,8 @@ def test_a_right_angled_room_closes_after_one_round_at_the_first_corner(
 def test_a_room_with_any_angles_closes_after_one_round_at_the_first_corner(
     walls: list[Wall], start: int, hand: float
 ) -> None:
+    # Corners nearer to each other than the gate are told apart by the two that follow, not by place.
+    assume(min(length for _, length in walls) > 0.05 + 0.015 * sum(length for _, length in walls))
     walls = rotated(walls if hand > 0.0 else mirrored(walls), start)
     assert first_closing(walls, hand, 2 * len(walls)) == (len(walls), 0)
 
