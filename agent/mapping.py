@@ -160,8 +160,12 @@ class Mapper:
         self._corner = event
         index = self.trace.reach(event.kind, event.path_length)
         if self.phase is Phase.CONFIRM:
-            self._confirm(event)
-            return
+            self._confirm(index, event)
+        else:
+            self._take(index, event)
+
+    def _take(self, index: int, event: CornerReached) -> None:
+        """A corner of the trace may close the loop; if not it becomes a node."""
         candidate = self.trace.candidate()
         if candidate is not None and candidate in self._node_of:
             self._candidate, self._pending = candidate, [(index, event)]
@@ -273,15 +277,13 @@ class Mapper:
         start = FollowFrom.CONCAVE if self._corner.kind == "concave" else FollowFrom.CONVEX
         self.agent.start("wall-following", Follow(self.config.side, start, self._corner.turn))
 
-    def _confirm(self, event: CornerReached) -> None:
+    def _confirm(self, index: int, event: CornerReached) -> None:
         """Another corner after the one that may close the loop: must be the one that followed then."""
-        last = len(self.trace.corners) - 1
         if not self.trace.agrees(self._candidate + len(self._pending), event.kind, event.path_length):
             self._reject()
-            self._add_node(last, event)
-            self._explore()
+            self._take(index, event)
             return
-        self._pending.append((last, event))
+        self._pending.append((index, event))
         if len(self._pending) > self.config.closing.confirmations:
             self._close()
 
