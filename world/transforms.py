@@ -1,10 +1,10 @@
-"""Worlds made from worlds: mirrored, and with other surfaces."""
+"""Worlds made from worlds: mirrored, turned, scaled, and with other surfaces."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from .base import WorldError
 from .geometry import Plan
@@ -40,6 +40,56 @@ def mirrored(spec: WorldSpec) -> WorldSpec:
         robots=tuple(_mirror_pose(pose, total) for pose in spec.robots),
         movable=tuple(replace(movable, box=_mirror_box(movable.box, total)) for movable in spec.movable),
     )
+
+
+def rotated(spec: WorldSpec, angle: float) -> WorldSpec:
+    """The world turned by `angle` (rad, counter-clockwise) around the middle of its bounds.
+
+    The lamp and the floor's pattern stay where they are, as for a room built anew under the same sky: what
+    a camera sees changes, what touches and distances tell does not.
+    """
+    if angle == 0.0:
+        return spec
+    x0, y0, x1, y1 = Plan(spec.shapes).bounds
+    turn = _Turn(angle, 0.5 * (x0 + x1), 0.5 * (y0 + y1))
+    return replace(
+        spec,
+        shapes=tuple(turn.shape(shape) for shape in spec.shapes),
+        starts=tuple(replace(start, pose=turn.pose(start.pose)) for start in spec.starts),
+        robots=tuple(turn.pose(pose) for pose in spec.robots),
+        movable=tuple(replace(movable, box=turn.box(movable.box)) for movable in spec.movable),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Turn:
+    """A turn by `angle` (rad) around (x, y) (m)."""
+
+    angle: float
+    x: float
+    y: float
+
+    def point(self, point: Point) -> Point:
+        dx, dy = point[0] - self.x, point[1] - self.y
+        cosine, sine = math.cos(self.angle), math.sin(self.angle)
+        return self.x + cosine * dx - sine * dy, self.y + sine * dx + cosine * dy
+
+    def pose(self, pose: Pose) -> Pose:
+        return Pose(*self.point((pose.x, pose.y)), wrap_angle(pose.heading + self.angle))
+
+    def box(self, box: Box) -> Box:
+        x, y = self.point((box.x, box.y))
+        return replace(box, x=x, y=y, angle=box.angle + self.angle)
+
+    def shape(self, shape: Shape) -> Shape:
+        if isinstance(shape, Box):
+            return self.box(shape)
+        if isinstance(shape, Cylinder):
+            x, y = self.point((shape.x, shape.y))
+            return replace(shape, x=x, y=y)
+        if isinstance(shape, Polygon):
+            return replace(shape, points=tuple(self.point(point) for point in shape.points))
+        return replace(shape, start=self.point(shape.start), end=self.point(shape.end))
 
 
 def scaled(spec: WorldSpec, factor: float) -> WorldSpec:
