@@ -56,7 +56,8 @@ class MappingConfig:
 
     side: of the wall. local_maps: whether to explore around nodes. strategy: "rows", "columns" or
     "alternate". max_nodes: end after so many, None for no limit. most_rounds: given up after so many times
-    round the boundary. wall_distance: at which walls are followed (m).
+    round the boundary. wall_distance: at which walls are followed (m). learn_mismatch: of the wheels, along
+    walls. come_back: to the corner by its wall, after exploring.
     """
 
     side: str = "right"
@@ -65,6 +66,8 @@ class MappingConfig:
     max_nodes: int | None = None
     most_rounds: float = 3.0
     wall_distance: float = 0.057
+    learn_mismatch: bool = True
+    come_back: bool = True
     closing: ClosingConfig = field(default_factory=ClosingConfig)
 
 
@@ -185,7 +188,10 @@ class Mapper:
     def _on_finished(self, event: BehaviorFinished) -> None:
         if event.behavior == "local-exploration" and self.phase is Phase.EXPLORE:
             self._keep_samples(event.result)
-            self._return()
+            if self.config.come_back:
+                self._return()
+            else:
+                self._commit()
         elif event.behavior == "position-correction" and self.phase is Phase.RETURN:
             if isinstance(event.result, CornerReached):
                 self._corner = event.result
@@ -315,7 +321,7 @@ class Mapper:
     def _learn_mismatch(self, event: CornerReached) -> None:
         """The wall just followed was straight: whatever odometry turned along it is the wheels' doing."""
         wall = self._wall
-        if wall is None:
+        if wall is None or not self.config.learn_mismatch:
             return
         turned = wrap_angle(event.heading - wall.heading)
         self.mismatch.straight(self.agent.robot.geometry.track, turned, event.path_length - 0.03)

@@ -56,8 +56,19 @@ class Navigator:
     trip has ended and `reached` how; `legs` are the arcs driven, `reason` why it ended.
     """
 
-    def __init__(self, agent: Agent, hybrid_map: HybridMap, node: int, arrival: str | None = None) -> None:
-        """arrival: None means by the side the map was made with: the robot stands in the transition pose."""
+    def __init__(
+        self,
+        agent: Agent,
+        hybrid_map: HybridMap,
+        node: int,
+        arrival: str | None = None,
+        *,
+        learn_mismatch: bool = True,
+    ) -> None:
+        """arrival: None means by the side the map was made with: the robot stands in the transition pose.
+
+        learn_mismatch: whether to go on learning the wheels' mismatch along the walls that are followed.
+        """
         self.agent = agent
         self.map = hybrid_map
         self.node = node
@@ -68,7 +79,7 @@ class Navigator:
         self.done = False
         self.reached = False
         self.reason = ""
-        self.mismatch = MismatchLearner(agent)
+        self.mismatch = MismatchLearner(agent) if learn_mismatch else None
         agent.bus.subscribe(BehaviorFinished, self._on_finished)
 
     def go(self, goal: int) -> None:

@@ -19,12 +19,14 @@ class GoToNodeConfig:
     """Settings of global navigation.
 
     gate (m), gate_slope: a corner of the right kind within max(gate, gate_slope x distance) of the arc's
-    length is the arc's end. turn_speed: steps/s.
+    length is the arc's end. turn_speed: steps/s. recognize: False ends arcs by path length alone, whatever
+    the corner (to measure what recognizing is worth).
     """
 
     gate: float = 0.05
     gate_slope: float = 0.15
     turn_speed: float = 233.0
+    recognize: bool = True
 
 
 class Going(Enum):
@@ -89,7 +91,8 @@ class GoToNode(Behavior):
 
     def _depart(self, context: Context) -> None:
         leg = self._legs[0]
-        self._path = 0.0
+        # An arc that ended between corners leaves the follower with a piece of the next one behind it.
+        self._path = 0.0 if self.config.recognize or leg.start is not None else -self._follower.path
         if leg.turn:
             self._remaining = leg.turn
             self.fire("turn")
@@ -123,6 +126,13 @@ class GoToNode(Behavior):
         proposal = self._follower.propose(percept, context)
         corner, self._heard = self._heard, None
         gate = max(self.config.gate, self.config.gate_slope * leg.distance)
+        if not self.config.recognize:
+            self._path += corner.path_length if corner is not None else 0.0
+            if self._path + self._follower.path >= leg.distance:
+                self._path += self._follower.path
+                self._arrive(leg, context)
+                return Proposal(STOP, 1.0, f"after {leg.distance:.2f} m, at node {leg.target}")
+            return proposal
         if corner is not None:
             self._path += corner.path_length
             if corner.kind == leg.corner and abs(self._path - leg.distance) <= gate:
@@ -140,7 +150,7 @@ class GoToNode(Behavior):
         return proposal
 
     def _arrive(self, leg: Leg, context: Context) -> None:
-        self._driven.append(LegDriven(leg.source, leg.target, leg.side, self._path, True))
+        self._driven.append(LegDriven(leg.source, leg.target, leg.side, self._path, self.config.recognize))
         context.publish(NodePassed(time=context.time, node=leg.target))
         self._legs.pop(0)
         if self._legs:

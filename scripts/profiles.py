@@ -11,6 +11,7 @@ from types import MappingProxyType
 from typing import Any, Literal, Protocol
 
 from ..agent import Agent
+from ..agent.boundary import ClosingConfig
 from ..agent.goals import Leg, LegDriven, LocalSamples
 from ..agent.mapping import Mapper, MappingConfig
 from ..agent.navigation import Navigator
@@ -34,7 +35,8 @@ class Profile:
     their straight-line distance ("distance"). local_map: how local maps are trained. closing: threshold of
     eq. 3.33 in D_a ("turns" only). correct: whether the position is corrected by views at each node
     ("distance" only). max_nodes: limit of a mapping where none is asked for. reflexes: behaviors that are
-    active from the first tick on.
+    active from the first tick on. mapping: settings of the mapper, other than its defaults. learn_mismatch:
+    whether the wheels' mismatch is learned along walls ("corners" only).
     """
 
     name: str
@@ -46,6 +48,8 @@ class Profile:
     correct: bool = False
     max_nodes: int | None = None
     reflexes: tuple[str, ...] = ()
+    mapping: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    learn_mismatch: bool = True
 
 
 THESIS_LOCAL_MAP = replace(THESIS_2, perceptual=replace(PERCEPTUAL_2, max_steps=1444, radius_end=1.5))
@@ -79,8 +83,50 @@ PROFILES: Mapping[str, Profile] = MappingProxyType(
 """The profiles there are, by name."""
 
 
+WITHOUT = " without "
+
+
+def _set(behavior: str, **values: Any) -> Callable[[Profile], Profile]:
+    def change(profile: Profile) -> Profile:
+        return replace(profile, behaviors=behavior_settings(profile, {behavior: values}))
+
+    return change
+
+
+REMEDIES: Mapping[str, Callable[[Profile], Profile]] = MappingProxyType(
+    {
+        "recognized corners": _set("go-to-node", recognize=False),
+        "mismatch": lambda profile: replace(
+            profile, learn_mismatch=False, mapping={**profile.mapping, "learn_mismatch": False}
+        ),
+        "landmarks": _set("local-exploration", landmarks=False),
+        "compass": _set("local-exploration", compass=False),
+        "coming back": lambda profile: replace(profile, mapping={**profile.mapping, "come_back": False}),
+        "square rooms": lambda profile: replace(
+            profile, mapping={**profile.mapping, "closing": ClosingConfig(square_limit=0.0)}
+        ),
+        "confirmation": lambda profile: replace(
+            profile, mapping={**profile.mapping, "closing": ClosingConfig(confirmations=0)}
+        ),
+        "reflexes": lambda profile: replace(profile, reflexes=()),
+    }
+)
+"""What profile `default` has against error, each as the change that takes it away: for ablations.
+
+Arcs ended at recognized corners (else after their path length); the wheels' mismatch learned; walls as
+landmarks and the visual compass in local exploration; the corner come back to after exploring; right angles
+taken for exact where a room has no others; a closed loop confirmed at the next corners; reflexes.
+"""
+
+
 def find_profile(name: str) -> Profile:
-    """The profile of that name. Raises: SessionError, naming those there are."""
+    """The profile of that name, or, as in "default without compass", one of them without a remedy.
+
+    Raises: SessionError, naming those there are.
+    """
+    base, without, remedy = name.partition(WITHOUT)
+    if without and base in PROFILES and remedy in REMEDIES:
+        return replace(REMEDIES[remedy](PROFILES[base]), name=name)
     try:
         return PROFILES[name]
     except KeyError:
@@ -150,10 +196,10 @@ def make_mapper(
     local_maps = not request.global_only
     if profile.mapper == "turns":
         published = ThesisMappingConfig(
-            request.side, local_maps, request.strategy, limit, closing=profile.closing
+            request.side, local_maps, request.strategy, limit, closing=profile.closing, **profile.mapping
         )
         return ThesisMapper(agent, hybrid_map, build, published, on_commit)
-    config = MappingConfig(request.side, local_maps, request.strategy, limit)
+    config = MappingConfig(request.side, local_maps, request.strategy, limit, **profile.mapping)
     return Mapper(agent, hybrid_map, build, config, on_commit)
 
 
@@ -164,4 +210,4 @@ def make_navigator(
     if profile.navigator == "distance":
         config = ThesisNavigationConfig(correct=profile.correct)
         return ThesisNavigator(agent, hybrid_map, node, arrival, config)
-    return Navigator(agent, hybrid_map, node, arrival)
+    return Navigator(agent, hybrid_map, node, arrival, learn_mismatch=profile.learn_mismatch)

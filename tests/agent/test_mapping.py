@@ -255,6 +255,15 @@ def test_after_the_return_the_corner_is_where_it_was_heard_last() -> None:
     assert drive.map.graph.nodes[0]["turn"] == pytest.approx(QUARTER)
 
 
+def test_without_coming_back_to_the_corner_a_node_is_complete_when_it_is_explored() -> None:
+    drive = Drive(come_back=False)
+    drive.begin()
+    drive.reach("concave", 0.4, QUARTER)
+    drive.explored(samples())
+    assert drive.commits == [0]
+    assert not hasattr(drive.correction, "goals")
+
+
 def test_a_corner_heard_while_exploring_is_not_a_node() -> None:
     drive = Drive()
     drive.begin()
@@ -270,6 +279,14 @@ def test_straight_walls_teach_the_wheels_mismatch() -> None:
     drive.reach("concave", 1.0, QUARTER)
     assert drive.mapper.mismatch.value < 0.0
     assert drive.agent.odometry.mismatch == drive.mapper.mismatch.value
+
+
+def test_the_mismatch_is_not_learned_where_it_is_not_to_be() -> None:
+    drive = mapped(learn_mismatch=False)
+    drive.drive(SQUARE[:2])
+    drive.heading = wrap_angle(drive.heading + 0.05)
+    drive.reach("concave", 1.0, QUARTER)
+    assert drive.agent.odometry.mismatch == 0.0
 
 
 def without_times(state: str) -> Any:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -32,11 +33,11 @@ ONWARD = (
 
 
 def trip(
-    start: Pose, goal: GoAlong, noise: str, seed: int = 0
+    start: Pose, goal: GoAlong, noise: str, seed: int = 0, **config: Any
 ) -> tuple[BehaviorFinished, Pose, list[int], int]:
     """How it ended, the true pose at the end, the nodes passed, collisions."""
     world = open_world("env1", engine="kinematic", noise=noise, seed=seed, start=start)
-    agent, heard = Agent(world.robots[0], [GoToNode()]), list[Event]()
+    agent, heard = Agent(world.robots[0], [GoToNode(**config)]), list[Event]()
     agent.bus.subscribe(Event, heard.append)
     agent.start("go-to-node", goal)
     for _ in range(4000):
@@ -96,6 +97,18 @@ def test_a_corner_met_too_early_is_driven_through() -> None:
     assert finished.succeeded
     assert passed == [2]
     assert math.hypot(pose.x - 0.643, pose.y - 0.603) < 0.003
+
+
+def test_without_recognizing_corners_every_arc_ends_after_its_length() -> None:
+    """A last leg 20 cm long ends 20 cm along its wall; those before it at their lengths, not 2 mm sooner."""
+    legs = (*ONWARD[:2], Leg(2, 3, "right", 0.200, "concave"))
+    start = Pose(0.943, 0.057, 0.0)
+    finished, pose, passed, _ = trip(start, GoAlong(legs), "none", recognize=False)
+    assert finished.succeeded
+    assert passed == [1, 2, 3]
+    assert not any(leg.recognized for leg in finished.result)
+    assert sum(leg.distance for leg in finished.result) == pytest.approx(1.046, abs=0.005)
+    assert math.hypot(pose.x - 0.643, pose.y - 0.803) < 0.02
 
 
 def test_a_trip_to_where_it_stands_is_done_with_the_last_turn() -> None:

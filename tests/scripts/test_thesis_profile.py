@@ -1,6 +1,7 @@
 """Profiles are data: what they name is built, and what a user asks for comes on top."""
 
 import math
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from tolman.maps.hybrid_map import HybridMap
 from tolman.scripts.cli_options import PROFILES as OFFERED
 from tolman.scripts.profiles import (
     PROFILES,
+    REMEDIES,
     behavior_settings,
     find_profile,
     make_mapper,
@@ -36,6 +38,22 @@ def test_settings_asked_for_come_on_top_of_the_profiles() -> None:
     merged = behavior_settings(find_profile("thesis"), asked)
     assert merged["local-exploration"] == {"landmarks": False, "compass": True}
     assert behavior_settings(find_profile("thesis"), None)["local-exploration"]["compass"] is False
+
+
+@pytest.mark.parametrize("remedy", sorted(REMEDIES))
+def test_a_profile_can_do_without_each_remedy_and_stays_as_it_is_otherwise(remedy: str) -> None:
+    whole, without = find_profile("default"), find_profile(f"default without {remedy}")
+    assert replace(without, name="default") != whole
+    changed = [f.name for f in fields(whole) if getattr(whole, f.name) != getattr(without, f.name)]
+    assert set(changed) <= {"name", "behaviors", "mapping", "learn_mismatch", "reflexes"}
+    simulation = Simulation(profile=without.name, engine="kinematic")
+    agent = make_agent(simulation, make_world(simulation, "env1", {}, None), {})
+    assert isinstance(make_navigator(without, agent, HybridMap(), 0, None), Navigator)
+
+
+def test_there_is_no_profile_without_what_it_does_not_have() -> None:
+    with pytest.raises(SessionError, match="unknown profile 'default without luck'"):
+        find_profile("default without luck")
 
 
 def _no_local_map(samples: Any, heading: float) -> Any:
