@@ -15,7 +15,7 @@ from enum import Enum
 from typing import TYPE_CHECKING, Any
 
 from ..world.robot import Percept, wrap_angle
-from .boundary import BoundaryTrace, ClosingConfig, Corner
+from .boundary import BoundaryTrace, ClosingConfig
 from .calibration import MismatchEstimate
 from .events import (
     ArcAdded,
@@ -28,6 +28,7 @@ from .events import (
     WallMet,
 )
 from .goals import ExploreLocally, Follow, FollowFrom, LocalSamples, ReturnToCorner
+from .loop_closing import Circuit, Finding, Met
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -91,19 +92,16 @@ class Mapper:
         self.agent = agent
         self.map = hybrid_map
         self.config = config
-        self.trace = BoundaryTrace(config.closing)
+        self.circuit = Circuit(config.closing)
         self.mismatch = MismatchEstimate()
         self.phase = Phase.FOLLOW
         self.reason = ""
         self.current = -1
         self._build = build
         self._on_commit = on_commit
-        self._node_of: dict[int, int] = {}
         self._met_at = 0.0
         self._corner: CornerReached | None = None
         self._wall: WallMet | None = None
-        self._candidate = -1
-        self._pending: list[tuple[int, CornerReached]] = []
         agent.bus.subscribe(CornerReached, self._on_corner)
         agent.bus.subscribe(WallMet, self._on_wall)
         agent.bus.subscribe(BehaviorFinished, self._on_finished)
@@ -116,6 +114,11 @@ class Mapper:
         """Nothing to do every tick: everything comes by events."""
 
     @property
+    def trace(self) -> BoundaryTrace:
+        """The boundary that is being followed."""
+        return self.circuit.trace
+
+    @property
     def done(self) -> bool:
         """Whether mapping has ended; `reason` says why."""
         return bool(self.reason)
@@ -126,8 +129,7 @@ class Mapper:
         """What a resumed mapping needs to go on exactly, as JSON; to be taken in `on_commit`."""
         assert self._corner is not None
         return {
-            "corners": [[corner.kind, corner.length, corner.turn] for corner in self.trace.corners],
-            "nodes": sorted(self._node_of.items()),
+            **self.circuit.state(),
             "current": self.current,
             "corner": asdict(self._corner),
             "wall": None if self._wall is None else asdict(self._wall),
@@ -136,8 +138,7 @@ class Mapper:
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Goes back to a `state`; `drive_on` then goes on from there."""
-        self.trace.corners = [Corner(*corner) for corner in state["corners"]]
-        self._node_of = {int(index): int(node) for index, node in state["nodes"]}
+        self.circuit.restore(state)
         self.current = int(state["current"])
         self._corner = CornerReached(**state["corner"])
         self._wall = None if state["wall"] is None else WallMet(**state["wall"])
@@ -152,7 +153,7 @@ class Mapper:
             turn = wrap_angle(event.heading - self._corner.heading)
             self._corner = None
             self.trace.turned(turn)
-            node = self._node_of.get(len(self.trace.corners) - 1)
+            node = self.circuit.node_of.get(len(self.trace.corners) - 1)
             if node is not None:
                 self.map.graph.nodes[node]["turn"] = turn
 
@@ -161,24 +162,17 @@ class Mapper:
             return
         self._learn_mismatch(event)
         self._corner = event
-        index = self.trace.reach(event.kind, event.path_length)
-        if self.phase is Phase.CONFIRM:
-            self._confirm(index, event)
-        else:
-            self._take(index, event)
-
-    def _take(self, index: int, event: CornerReached) -> None:
-        """A corner of the trace may close the loop; if not it becomes a node."""
-        candidate = self.trace.candidate()
-        if candidate is not None and candidate in self._node_of:
-            self._candidate, self._pending = candidate, [(index, event)]
+        judgement = self.circuit.reach(event)
+        self._admit(judgement.rejected)
+        if judgement.finding is Finding.CLOSED:
+            self._close()
+        elif judgement.finding is Finding.MAYBE_KNOWN:
             self.phase = Phase.CONFIRM
-            return
-        if self._rounds() > self.config.most_rounds:
+        elif self._rounds() > self.config.most_rounds:
             self._end(f"{self.config.most_rounds:.0f} rounds without recognizing a corner")
-            return
-        self._add_node(index, event)
-        self._explore()
+        else:
+            self._add_node(len(self.trace.corners) - 1, event)
+            self._explore()
 
     def _rounds(self) -> float:
         """How often the boundary has turned right round since the first corner."""
@@ -205,7 +199,7 @@ class Mapper:
         turn = self.trace.corners[index].turn or 0.0
         node = self.map.add_node(corner=event.kind, turn=turn, entry_heading=heading)
         previous, self.current = self.current, node
-        self._node_of[index] = node
+        self.circuit.node_of[index] = node
         self._met_at = event.time
         self.agent.bus.publish(
             NodeCreated(time=self.agent.context.time, node=node, corner=event.kind, met_at=event.time)
@@ -272,7 +266,7 @@ class Mapper:
         self.phase = Phase.FOLLOW
         self._on_commit(self.current, self._met_at)
         self.agent.bus.publish(NodeCommitted(time=self.agent.context.time, node=self.current))
-        if self.config.max_nodes is not None and len(self._node_of) >= self.config.max_nodes:
+        if self.config.max_nodes is not None and len(self.circuit.node_of) >= self.config.max_nodes:
             self._end("max nodes")
         else:
             self.drive_on()
@@ -283,34 +277,22 @@ class Mapper:
         start = FollowFrom.CONCAVE if self._corner.kind == "concave" else FollowFrom.CONVEX
         self.agent.start("wall-following", Follow(self.config.side, start, self._corner.turn))
 
-    def _confirm(self, index: int, event: CornerReached) -> None:
-        """Another corner after the one that may close the loop: must be the one that followed then."""
-        if not self.trace.agrees(self._candidate + len(self._pending), event.kind, event.path_length):
-            self._reject()
-            self._take(index, event)
-            return
-        self._pending.append((index, event))
-        if len(self._pending) > self.config.closing.confirmations:
-            self._close()
-
-    def _reject(self) -> None:
-        """It was another place after all: what was taken for known corners becomes nodes, unexplored."""
-        for index, event in self._pending:
-            self._add_node(index, event)
+    def _admit(self, rejected: tuple[Met, ...]) -> None:
+        """They were other places after all: what was taken for known corners becomes nodes, unexplored."""
+        for met in rejected:
+            self._add_node(met.index, met.event)
             self._on_commit(self.current, self._met_at)
             self.agent.bus.publish(NodeCommitted(time=self.agent.context.time, node=self.current))
-        self._pending = []
-        self.phase = Phase.FOLLOW
+        if rejected:
+            self.phase = Phase.FOLLOW
 
     def _close(self) -> None:
-        first = self._node_of[self._candidate]
-        self._add_arc(self.current, first, self._pending[0][1].path_length)
-        known = [self._node_of[index] for index in sorted(self._node_of) if index >= self._candidate]
-        for (_, event), source, target in zip(self._pending[1:], known, known[1:], strict=False):
+        known, again = self.circuit.known, [met.event for met in self.circuit.pending]
+        self._add_arc(self.current, known[0], again[0].path_length)
+        for event, source, target in zip(again[1:], known, known[1:], strict=False):
             self.map.record_traversal(source, target, self.config.side, event.path_length)
-        self.current = known[(len(self._pending) - 1) % len(known)]
-        met_at = self._pending[0][1].time
-        self.agent.bus.publish(LoopClosed(time=self.agent.context.time, node=first, met_at=met_at))
+        self.current = known[(len(again) - 1) % len(known)]
+        self.agent.bus.publish(LoopClosed(time=self.agent.context.time, node=known[0], met_at=again[0].time))
         self._end("loop closed")
 
     def _end(self, reason: str) -> None:
