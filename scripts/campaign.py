@@ -9,8 +9,10 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
+import math
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,6 +23,7 @@ from .cli_output import plain
 
 Result = dict[str, Any]
 Work = Callable[[Mapping[str, Any]], Mapping[str, Any]]
+Version = Callable[[Mapping[str, Any]], str]
 
 
 class CampaignError(ValueError):
@@ -43,10 +46,12 @@ class Job:
 class Store:
     """Results on disk, a line of JSON each, appended as they come. A line cut off by a kill is dropped."""
 
-    def __init__(self, path: Path, version: str) -> None:
-        """`version`: of what computes the results; lines of another version are not taken up."""
+    def __init__(self, path: Path, version: str | Version) -> None:
+        """`version`: of what computes the results, or a function of a job's settings that tells it; lines of
+        another version are not taken up.
+        """
         self.path = path
-        self.version = version
+        self._version: Version = version if callable(version) else lambda settings: version
 
     def read(self) -> dict[str, Result]:
         """Results by job key. Raises: CampaignError for a file that is no store."""
@@ -60,7 +65,7 @@ class Store:
         for number, line in enumerate(text.split("\n")[:-1], 1):
             try:
                 entry = json.loads(line)
-                if entry["version"] == self.version:
+                if entry["version"] == self._version(entry["settings"]):
                     results[str(entry["key"])] = dict(entry["result"])
             except (ValueError, KeyError, TypeError):
                 raise CampaignError(f"{self.path}, line {number}: not a result of a campaign") from None
@@ -68,7 +73,9 @@ class Store:
 
     def append(self, job: Job, result: Result) -> None:
         """Keeps one result; it is on disk when this returns."""
-        entry = {"key": job.key, "version": self.version, "settings": dict(job.settings), "result": result}
+        settings = dict(job.settings)
+        version = self._version(settings)
+        entry = {"key": job.key, "version": version, "settings": settings, "result": result}
         line = json.dumps(entry, sort_keys=True, allow_nan=False) + "\n"
         with self.path.open("a+b") as file:
             file.seek(0)
@@ -85,31 +92,74 @@ def run_campaign(
     *,
     processes: int = 1,
     store: Store | None = None,
-    progress: Callable[[int, int], None] = lambda done, total: None,
+    progress: Callable[[Progress], None] = lambda progress: None,
+    cost: Callable[[Job], float] = lambda job: 1.0,
+    until: float | None = None,
     dask: str | None = None,
-) -> list[Result]:
-    """Runs every job that the store does not have yet; returns the results in the order of the jobs.
+) -> dict[str, Result]:
+    """Begins the jobs that the store does not have yet, in their order; returns results by job key.
 
     work: a function of a module (it is sent to other processes) from settings to JSON values. progress is
-    told (done, total) after each. dask: address of a Dask scheduler to run on instead of local processes.
+    told after each; cost: what a job takes, in any unit, to tell how long the rest will. until: no job is
+    begun after this time (`time.monotonic`), so that some keys may be missing. dask: address of a Dask
+    scheduler to run on instead of local processes.
     Raises: CampaignError; whatever `work` raises, after what had finished was kept.
     """
     results = store.read() if store else {}
-    todo = list({job.key: job for job in jobs if job.key not in results}.values())
-    done = len({job.key for job in jobs}) - len(todo)
-    total = done + len(todo)
-    progress(done, total)
-    for job, result in _results(todo, work, processes, dask):
+    unique = {job.key: job for job in jobs}
+    todo = [job for key, job in unique.items() if key not in results]
+    clock = _Clock(len(unique), [cost(job) for job in todo])
+    progress(clock.progress())
+    if not todo:
+        return {key: results[key] for key in unique}
+
+    def begun() -> Iterator[Job]:
+        for job in todo:
+            if until is not None and time.monotonic() >= until:
+                return
+            yield job
+
+    for job, result in _results(begun(), work, processes, dask):
         results[job.key] = result
         if store:
             store.append(job, result)
-        done += 1
-        progress(done, total)
-    return [results[job.key] for job in jobs]
+        clock.done(cost(job))
+        progress(clock.progress())
+    return {key: results[key] for key in unique if key in results}
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """How far a campaign is. seconds_left: a guess, None before anything has finished."""
+
+    done: int
+    total: int
+    seconds_left: float | None
+
+
+class _Clock:
+    """Guesses how long the rest takes: as long for its cost as what has finished took."""
+
+    def __init__(self, total: int, costs: Sequence[float]) -> None:
+        self._total = total
+        self._left = len(costs)
+        self._cost, self._finished = math.fsum(costs), 0.0
+        self._began = time.monotonic()
+
+    def done(self, cost: float) -> None:
+        self._left -= 1
+        self._finished += cost
+
+    def progress(self) -> Progress:
+        seconds = None
+        if self._finished > 0.0:
+            spent = time.monotonic() - self._began
+            seconds = spent * max(0.0, self._cost - self._finished) / self._finished
+        return Progress(self._total - self._left, self._total, seconds)
 
 
 def _results(
-    jobs: Sequence[Job], work: Work, processes: int, dask: str | None
+    jobs: Iterable[Job], work: Work, processes: int, dask: str | None
 ) -> Iterator[tuple[Job, Result]]:
     """Yields each job with its result, as they finish."""
     if processes == 1 and dask is None:
@@ -118,7 +168,10 @@ def _results(
         return
     with _backend(dask):
         pool = joblib.Parallel(
-            n_jobs=-1 if dask else processes, return_as="generator_unordered", batch_size=1
+            n_jobs=-1 if dask else processes,
+            return_as="generator_unordered",
+            batch_size=1,
+            pre_dispatch="n_jobs",  # a job is begun when a process is free: the order is kept, and `until`
         )
         yield from pool(joblib.delayed(_one)(job, work) for job in jobs)
 

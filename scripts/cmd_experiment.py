@@ -1,22 +1,31 @@
-"""`tolman experiment`: measures what the thesis's chapter 4 measured, beside its published figures."""
+"""`tolman experiment`: measures what the thesis's chapter 4 measured, beside its figures, and more."""
 
 from __future__ import annotations
 
 import argparse
 import json
+import math
+import time
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from .cli_command import Command
 from .cli_errors import UsageError
 from .cli_options import integer
-from .cli_output import ProgressLine, check_output, plain, stdout_to_stderr
+from .cli_output import ProgressLine, check_input, check_output, plain, stdout_to_stderr
+
+if TYPE_CHECKING:
+    from .campaign import Progress
+    from .experiment_running import Running
 
 DESCRIPTION = """Runs experiments of chapter 4 of the thesis in both profiles and prints their figures beside
-the published ones. NAME is table-N for N = 4.2, 4.3, 4.5, 4.6, 4.10, 4.12, 4.14, 4.15, 4.16, 4.18, `all` or
-`smoke` (everything, but one run in one environment).
+the published ones. NAME is table-N for N = 4.2, 4.3, 4.5, 4.6, 4.10, 4.12, 4.14, 4.15, 4.16, 4.18, `all`
+(these) or `smoke` (these, but one run in one environment). Beyond the thesis, profile `default` alone:
+`variants` (rooms turned, mirrored, scaled, imported; more noise), `ablation` (each remedy off in turn).
 
-Finished runs are kept in the work folder, with their maps; the same command goes on where it was interrupted.
-Results do not depend on --jobs. Seeds below 1000 are meant for tuning, so the first one is 1000."""
+Finished runs are kept in the work folder, with their maps; the same command goes on where it was interrupted,
+and --finished-only reports what there is. Results do not depend on --jobs. Seeds below 1000 are meant for
+tuning, so the first one is 1000."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,6 +37,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--global-runs", type=integer(1), metavar="N", help="the same where no local maps are built"
     )
+    parser.add_argument(
+        "--thesis-runs", type=integer(1), metavar="N", help="--runs of profile thesis, if others"
+    )
+    parser.add_argument(
+        "--thesis-global-runs",
+        type=integer(1),
+        metavar="N",
+        help="--global-runs of profile thesis, if others",
+    )
+    parser.add_argument(
+        "--import",
+        dest="imported",
+        action="append",
+        default=[],
+        metavar="FILE[:SCALE]",
+        help="a world file for `variants`, its lengths times SCALE; can be given again",
+    )
+    parser.add_argument("--max-hours", type=_hours, metavar="H", help="begin no run after so many hours")
+    parser.add_argument("--finished-only", action="store_true", help="run nothing: report what has finished")
     parser.add_argument(
         "--first-seed",
         type=integer(0),
@@ -62,7 +90,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--report", type=Path, metavar="FILE", help="write the report there instead of stdout"
     )
     parser.add_argument("--figures", type=Path, metavar="DIR", help="also draw the figures into this folder")
+    parser.add_argument(
+        "--notes", type=Path, metavar="FILE", help="Markdown to put into the report, as reasons for misses"
+    )
     parser.add_argument("--json", type=Path, metavar="OUT", help="also write all figures as JSON")
+
+
+def _hours(text: str) -> float:
+    try:
+        hours = float(text)
+    except ValueError:
+        hours = math.nan
+    if not 0.0 <= hours < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of hours")
+    return hours
 
 
 def _environments(text: str) -> tuple[str, ...]:
@@ -78,46 +119,48 @@ def run(options: argparse.Namespace) -> int:
     for path in (options.report, options.json):
         if path is not None:
             check_output(path, replace=True)
+    if options.notes is not None:
+        check_input(options.notes, "Markdown file")
     if options.work.exists() and not options.work.is_dir():
         raise UsageError(f"{options.work} is a file; --work names a folder")
-    from dataclasses import replace
+    from .experiment_page import Page
 
-    from .experiment_plan import plan_for, run_plan
-    from .experiment_report import report_text, report_values
-    from .experiment_version import code_version
-
-    plan = plan_for(options.names, options.runs, options.global_runs, options.first_seed)
-    if options.profile != "both":
-        plan = replace(plan, profiles=(options.profile,))
-    if options.environments is not None:
-        plan = replace(plan, environments=options.environments)
-    version = code_version()
+    page = Page.of(options)
     line = ProgressLine()
     with stdout_to_stderr():
-        outcome = run_plan(
-            plan,
-            options.work,
-            processes=options.jobs,
-            dask=options.dask,
-            progress=lambda what, done, total: line.show(f"{what}: {done} of {total} runs"),
-        )
+        page.run(_running(options, line))
         line.close()
-        pictures: list[tuple[str, str]] = []
+        pictures = []
         if options.figures is not None:
-            from .experiment_figures import draw_figures
-
             base = options.report.parent if options.report is not None else Path()
-            pictures = draw_figures(plan, outcome, options.work, options.figures, base)
-    text = report_text(plan, outcome, version, pictures)
+            pictures = page.draw(options.figures, base)
     if options.json is not None:
-        values = plain(report_values(plan, outcome, version))
+        values = plain(page.values())
         options.json.write_text(json.dumps(values, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    text = page.text(pictures)
     if options.report is not None:
         options.report.write_text(text, encoding="utf-8")
         print(f"{options.report}: written")
     else:
         print(text, end="")
     return 0
+
+
+def _running(options: argparse.Namespace, line: ProgressLine) -> Running:
+    """How the options want runs to be run."""
+    from .experiment_running import Running
+
+    until = None
+    if options.finished_only:
+        until = time.monotonic()
+    elif options.max_hours is not None:
+        until = time.monotonic() + 3600.0 * options.max_hours
+
+    def show(what: str, progress: Progress) -> None:
+        left = "" if progress.seconds_left is None else f", about {progress.seconds_left / 60:.0f} min left"
+        line.show(f"{what}: {progress.done} of {progress.total} runs{left}")
+
+    return Running(options.jobs, options.dask, until, show)
 
 
 COMMAND = Command("experiment", "measure it against the published figures", DESCRIPTION, add_arguments, run)

@@ -19,7 +19,8 @@ from ..world.geometry import outline
 from ..world.robot import Pose
 from .campaign import Job, Result
 from .experiment_mapping import map_path
-from .experiment_plan import CORRECTED, GLOBAL, LOCAL, SIDES, Outcome, Plan, average_maps
+from .experiment_plan import CORRECTED, GLOBAL, LOCAL, Outcome, Plan, average_maps
+from .experiment_running import SIDES
 from .map_drawing import lattice_of
 from .plot import DOTS_PER_INCH, NO_DATES, NODE, WALL, draw_lattice
 from .truth import read_map_truth

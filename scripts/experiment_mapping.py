@@ -15,6 +15,7 @@ from ..world.base import SimulationError
 from ..world.robot import Pose
 from .campaign import Job
 from .experiment_probes import AT_NODE, ExplorationProbe, LapProbe, TrainingRun
+from .experiment_worlds import experiment_world, noise_scale
 from .mapping_run import MappingRun, open_map_file
 from .profiles import find_profile
 from .requests import MapRequest
@@ -33,9 +34,8 @@ def mapping_job(
     local_maps: bool,
     noise: str = "thesis",
     training: bool = False,
-    noise_scale: float = 1.0,
 ) -> Job:
-    """A mapping as a job. training: also train the SOMs in all configurations (table 4.10)."""
+    """A mapping as a job. world: see `experiment_worlds`. training: also train SOMs in all configurations."""
     return Job(
         {
             "kind": "map",
@@ -45,7 +45,7 @@ def mapping_job(
             "profile": profile,
             "local_maps": local_maps,
             "noise": noise,
-            "noise_scale": noise_scale,
+            "noise_scale": noise_scale(world),
             "training": training,
         }
     )
@@ -80,7 +80,8 @@ def run_mapping(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     )
     # A lap for the thesis's profile: how its thresholds would have closed the loop follows from the ratios.
     profile = replace(find_profile(request.profile), closing=None)
-    world = make_world(request, request.world, {}, request.side)
+    spec = experiment_world(request.world, folder)
+    world = make_world(request, spec, {}, request.side)
     with contextlib.closing(world), open_map_file(request, world) as file:
         kind = TrainingRun if settings["training"] else MappingRun
         run = kind(request, world, file, {}, profile, lambda progress: None)

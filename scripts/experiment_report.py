@@ -2,106 +2,112 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .experiment_plan import CORRECTED, GLOBAL, LOCAL, UNCORRECTED, Outcome, Plan
+from .experiment_plan import GLOBAL, LOCAL, REFERENCE, Outcome, Plan
 from .experiment_rows import Measured, Row, rows_of
+from .experiment_summary import KINDS, cost, lost_runs, runs_made, verdict
 from .experiment_tables import TABLES
 from .experiment_training import TrainingRow, training_reached, training_rows
+from .published import PUBLISHED
 from .summary import markdown_table
 
 _YES = {True: "yes", False: "**no**", None: ""}
 
 
-def report_values(plan: Plan, outcome: Outcome, version: str) -> dict[str, Any]:
+def report_values(plan: Plan, outcome: Outcome, versions: Mapping[str, str]) -> dict[str, Any]:
     """Everything as one JSON object."""
+    rows = _rows(plan, outcome)
     values: dict[str, Any] = {
-        "version": version,
+        "versions": dict(versions),
         "first_seed": plan.first_seed,
-        "runs": plan.runs,
-        "global_runs": plan.global_runs,
+        "runs": {profile: plan.runs_of(LOCAL, profile) for profile in plan.profiles},
+        "global_runs": {profile: plan.runs_of(GLOBAL, profile) for profile in plan.profiles},
         "environments": list(plan.environments),
         "profiles": list(plan.profiles),
-        "cost": _cost(plan, outcome),
-        "tables": {},
+        "cost": {
+            kind: {
+                profile: {"runs": _finished(plan, outcome, kind, profile), "sim_time_s": found}
+                for profile in plan.profiles
+                if (found := cost(plan, outcome, kind, profile)) is not None
+            }
+            for kind in KINDS
+            if kind in plan.kinds
+        },
+        "tables": {number: [row.to_json() for row in found] for number, found in rows.items()},
     }
-    for table in TABLES:
-        if f"table-{table.number}" in plan.tables:
-            rows = rows_of(table, plan, outcome)
-            values["tables"][table.number] = [row.to_json() for row in rows]
     if "table-4.10" in plan.tables:
         values["tables"]["4.10"] = [row.to_json() for row in training_rows(plan, outcome)]
     return values
 
 
-def report_text(plan: Plan, outcome: Outcome, version: str, pictures: Sequence[tuple[str, str]] = ()) -> str:
-    """The Markdown report. pictures: (title, path relative to the report)."""
-    parts = [_introduction(plan, outcome, version)]
-    missed: list[str] = []
+def report_text(
+    plan: Plan,
+    outcome: Outcome,
+    versions: Mapping[str, str],
+    pictures: Sequence[tuple[str, str]] = (),
+    notes: str = "",
+) -> str:
+    """The Markdown report. pictures: (title, path relative to the report). notes: added to the summary."""
+    rows = _rows(plan, outcome)
+    trained = training_rows(plan, outcome) if "table-4.10" in plan.tables else None
+    reached = training_reached(trained) if trained else {}
+    parts = [
+        _introduction(plan, versions),
+        "## Summary\n\n" + verdict(rows, reached, plan),
+        lost_runs(plan, outcome),
+        notes.strip(),
+        "## Runs\n\nFinished of planned:\n\n" + runs_made(plan, outcome),
+    ]
     for table in TABLES:
-        if f"table-{table.number}" not in plan.tables:
-            continue
-        rows = rows_of(table, plan, outcome)
-        parts.append(f"## Table {table.number}: {table.title}\n\n{_table(rows, plan)}")
-        parts += [f"{note}" for note in table.notes]
-        missed += [f"{table.number} {row.figure}, {row.environment}" for row in rows if row.reached is False]
-    if "table-4.10" in plan.tables:
-        rows_410 = training_rows(plan, outcome)
-        parts.append("## Table 4.10: Training the self-organizing maps\n\n" + _training(rows_410))
-        missed += [f"4.10 {som}" for som, done in training_reached(rows_410).items() if not done]
-    parts.insert(1, _verdict(missed))
+        if table.number in rows:
+            runs = PUBLISHED[table.number].runs
+            parts.append(
+                f"## Table {table.number}: {table.title}\n\n{_table(rows[table.number], plan, runs)}"
+            )
+            parts += [*table.notes, *(note for make in table.remarks if (note := make(plan, outcome)))]
+    if trained is not None:
+        parts.append("## Table 4.10: Training the self-organizing maps\n\n" + _training(trained))
     if pictures:
-        parts.append("## Figures\n\n" + "\n\n".join(f"![{title}]({path})" for title, path in pictures))
-    return "\n\n".join(parts) + "\n"
+        parts.append(
+            "## Figures\n\n" + "\n\n".join(f"{title}\n\n![{title}]({path})" for title, path in pictures)
+        )
+    return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def _introduction(plan: Plan, outcome: Outcome, version: str) -> str:
-    with_maps = f"{plan.runs} runs (seeds {plan.first_seed} to {plan.first_seed + plan.runs - 1})"
-    without = f"{plan.global_runs} runs (seeds {plan.first_seed} to {plan.first_seed + plan.global_runs - 1})"
-    lines = [
-        "# Results",
-        "Generated by `tolman experiment`; how the runs are made and scored is in "
-        "[experiments.md](experiments.md). Version " + version + ".",
-        f"An environment and profile: {with_maps} where local maps are built or a map is driven, {without} "
-        "where not; every second one follows the left wall. Noise preset `thesis`, robot model `wheels`. "
-        "Seeds below 1000 were used for tuning, none of these.",
-        "Cells: mean [95 % interval of the mean] (worst). *Reproduced*: the mean of profile `thesis` lies "
-        "within the published least and greatest value. *Reached*: profile `default` keeps its target.",
-    ]
-    costs = [
-        f"{kind}, {profile}: {found['runs']} runs of {found['sim_time_s']:.0f} simulated s on average"
-        for kind, by_profile in _cost(plan, outcome).items()
-        for profile, found in by_profile.items()
-    ]
-    if costs:
-        lines.append("Simulated: " + "; ".join(costs) + ".")
-    return "\n\n".join(lines)
+def _rows(plan: Plan, outcome: Outcome) -> dict[str, list[Row]]:
+    return {
+        table.number: rows_of(table, plan, outcome)
+        for table in TABLES
+        if f"table-{table.number}" in plan.tables
+    }
 
 
-def _cost(plan: Plan, outcome: Outcome) -> dict[str, dict[str, dict[str, float]]]:
-    """Simulated seconds a run, by kind and profile."""
-    found: dict[str, dict[str, dict[str, float]]] = {}
-    for kind in (GLOBAL, LOCAL, UNCORRECTED, CORRECTED):
-        for profile in plan.profiles:
-            times = [
-                float(result["sim_time_s"])
-                for world in plan.environments
-                for result in outcome.of(kind, world, profile)
-            ]
-            if times:
-                mean = sum(times) / len(times)
-                found.setdefault(kind, {})[profile] = {"runs": len(times), "sim_time_s": mean}
-    return found
+def _finished(plan: Plan, outcome: Outcome, kind: str, profile: str) -> int:
+    return sum(len(outcome.of(kind, world, profile)) for world in plan.environments)
 
 
-def _verdict(missed: Sequence[str]) -> str:
-    if not missed:
-        return "All targets that were measured are reached."
-    return "Targets missed by profile `default`:\n\n" + "\n".join(f"- {name}" for name in missed)
+def _introduction(plan: Plan, versions: Mapping[str, str]) -> str:
+    last = plan.first_seed + max(
+        plan.runs_of(kind, profile) for kind in plan.kinds - {REFERENCE} for profile in plan.profiles
+    )
+    return "\n\n".join(
+        [
+            "# Results",
+            "Generated by `tolman experiment`; how the runs are made and scored is in "
+            "[experiments.md](experiments.md). Version of the code by kind of run: "
+            + ", ".join(f"{kind} {version}" for kind, version in versions.items())
+            + ".",
+            f"Seeds {plan.first_seed} to {last - 1}, every second one follows the left wall; those below "
+            "1000 were used for tuning, none of these. Noise preset `thesis`, robot model `wheels`.",
+            "Cells: mean [95 % interval of the mean] (worst). *Reproduced*: the mean of profile `thesis` "
+            "lies within the published least and greatest value. *Reached*: profile `default` keeps its target.",
+        ]
+    )
 
 
-def _table(rows: Sequence[Row], plan: Plan) -> str:
+def _table(rows: Sequence[Row], plan: Plan, runs: int | None = None) -> str:
     header = ["figure", "environment", "published", *plan.profiles, "target", "reproduced", "reached"]
     if "thesis" not in plan.profiles:
         header.remove("reproduced")
@@ -110,7 +116,7 @@ def _table(rows: Sequence[Row], plan: Plan) -> str:
         line = [
             f"{row.figure} ({row.unit})" if row.unit else row.figure,
             row.environment,
-            _published(row),
+            _published(row, runs),
             *(_cell(row.measured.get(profile)) for profile in plan.profiles),
             row.target,
         ]
@@ -120,11 +126,11 @@ def _table(rows: Sequence[Row], plan: Plan) -> str:
     return markdown_table(header, lines)
 
 
-def _published(row: Row) -> str:
+def _published(row: Row, runs: int | None) -> str:
     mean, least, greatest = row.published
     text = "" if mean is None else f"{mean:g}"
     if row.unit == "runs" and mean is not None:
-        return text
+        return f"{text} of {runs}" if runs is not None else text
     return text if least is None else f"{text} ({least:g} to {greatest:g})"
 
 

@@ -86,14 +86,18 @@ class Figure:
     only: str = ""
 
 
+Remark = Callable[[Plan, Outcome], str]
+
+
 @dataclass(frozen=True, slots=True)
 class Table:
-    """One table of the report."""
+    """One table of the report. remarks: sentences about it as a whole, "" where there is nothing to say."""
 
     number: str
     title: str
     figures: Sequence[Figure]
     notes: Sequence[str] = field(default_factory=tuple)
+    remarks: Sequence[Remark] = field(default_factory=tuple)
 
 
 def rows_of(table: Table, plan: Plan, outcome: Outcome) -> list[Row]:

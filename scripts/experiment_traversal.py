@@ -25,6 +25,7 @@ from ..world.base import SimulationError
 from ..world.robot import Pose, wrap_angle
 from .campaign import Job
 from .experiment_mapping import map_path, run_mapping
+from .experiment_worlds import experiment_world
 from .profiles import find_profile, make_navigator
 from .requests import Simulation
 from .truth import read_map_truth
@@ -65,7 +66,8 @@ def run_traversal(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     )
     arcs = round_of(hybrid_map)
     first = arcs[0].start if arcs else hybrid_map.nodes()[0]
-    world = make_world(simulation, str(settings["map world"]), {}, truth.nodes[first])
+    spec = experiment_world(str(settings["map world"]), folder)
+    world = make_world(simulation, spec, {}, truth.nodes[first])
     try:
         run = TraversalRun(
             simulation, world, hybrid_map, truth.nodes, first, corrected=bool(settings["corrected"])

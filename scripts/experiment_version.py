@@ -2,30 +2,55 @@
 
 from __future__ import annotations
 
+import ast
 import hashlib
+from collections.abc import Iterator
+from functools import cache
 from importlib import resources
 from importlib.metadata import version
 
-_COMPUTING = ("tolman.world", "tolman.maps", "tolman.agent", "tolman.behaviors", "tolman.scripts")
-_MAPPING = (
-    "experiment_mapping.py",
-    "experiment_probes.py",
-    "mapping_run.py",
-    "profiles.py",
-    "wiring.py",
-)
-"""Of the scripts only those that mappings depend on: a new layout of the report costs no new runs."""
-TRAVERSALS = ("experiment_traversal.py",)
-"""What traversals depend on besides."""
+_COMPUTING = ("tolman.world", "tolman.maps", "tolman.agent", "tolman.behaviors", "tolman.plugins")
+_SCRIPTS = "tolman.scripts"
+_ONLY_HANDS_OUT = ("campaign", "cli_errors", "cli_output")
+"""Modules that a run's own import, and that cannot change what comes of it."""
 
 
-def code_version(scripts: tuple[str, ...] = ()) -> str:
-    """The package's version and a digest of the source that mappings, and `scripts`, depend on."""
+@cache
+def code_version(script: str = "experiment_mapping") -> str:
+    """The package's version and a digest of the source that runs of the kind that `script` makes depend on.
+
+    Of the scripts only those that it imports, directly or not: a new layout of the report costs no new runs.
+    """
     digest = hashlib.sha256()
     for package in _COMPUTING:
         for entry in sorted(resources.files(package).iterdir(), key=lambda entry: entry.name):
-            counts = entry.name in (*_MAPPING, *scripts) if package == "tolman.scripts" else True
-            if counts and entry.name.endswith((".py", ".yaml")):
+            if entry.name.endswith((".py", ".yaml")):
                 digest.update(f"{package}/{entry.name}\n".encode())
                 digest.update(entry.read_bytes())
+    for name in sorted(imported_scripts(script)):
+        digest.update(f"{_SCRIPTS}/{name}.py\n".encode())
+        digest.update(_source(name))
     return f"{version('tolman')}+{digest.hexdigest()[:12]}"
+
+
+def imported_scripts(script: str) -> set[str]:
+    """The script and those that it imports, directly or not, but for those that only hand out work."""
+    found: set[str] = set()
+    todo = [script]
+    while todo:
+        name = todo.pop()
+        if name not in found and name not in _ONLY_HANDS_OUT:
+            found.add(name)
+            todo += _siblings(name)
+    return found
+
+
+def _siblings(name: str) -> Iterator[str]:
+    """Modules of the same folder that one imports, wherever in it."""
+    for node in ast.walk(ast.parse(_source(name))):
+        if isinstance(node, ast.ImportFrom) and node.level == 1:
+            yield from [node.module] if node.module else [alias.name for alias in node.names]
+
+
+def _source(name: str) -> bytes:
+    return resources.files(_SCRIPTS).joinpath(f"{name}.py").read_bytes()

@@ -11,7 +11,7 @@ import numpy as np
 from ..agent import Agent
 from ..agent.ports import Limits
 from ..plugins.discovery import build_behaviors, load_mediator
-from ..world import World, open_world
+from ..world import World, WorldSpec, open_world
 from ..world.robot import Pose
 from .profiles import Profile, behavior_settings, find_profile
 from .requests import SessionError, Simulation
@@ -43,9 +43,9 @@ def load_settings(path: Path | None) -> dict[str, Any]:
 
 
 def make_world(
-    simulation: Simulation, world: str, settings: Mapping[str, Any], start: Pose | str | None
+    simulation: Simulation, world: str | WorldSpec, settings: Mapping[str, Any], start: Pose | str | None
 ) -> World:
-    """Opens the world a request names, with its noise and robot model. Raises: WorldError."""
+    """Opens a world (name, path, description) with a request's noise and robot model. Raises: WorldError."""
     noise: Any = simulation.noise
     if "noise" in settings:
         noise = {"preset": simulation.noise, **settings["noise"]}

@@ -5,10 +5,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from tolman.scripts.campaign import Progress
 from tolman.scripts.cli import execute
 from tolman.scripts.experiment_figures import draw_figures
 from tolman.scripts.experiment_mapping import map_path, mapping_job, run_mapping
 from tolman.scripts.experiment_plan import GLOBAL, Plan, run_plan
+from tolman.scripts.experiment_running import Running
 from tolman.scripts.experiment_traversal import run_traversal, traversal_job
 from tolman.scripts.experiment_version import code_version
 
@@ -17,11 +19,13 @@ PLAN = Plan(("table-4.3",), 1, 1, 3, ("env1",), ("default", "thesis"))
 
 @pytest.mark.slow
 def test_finished_runs_are_not_run_again_and_figures_are_drawn(tmp_path: Path) -> None:
-    told: list[tuple[str, int, int]] = []
+    told: list[tuple[str, Progress]] = []
     first = run_plan(PLAN, tmp_path)
-    again = run_plan(PLAN, tmp_path, progress=lambda what, done, total: told.append((what, done, total)))
+    running = Running(progress=lambda what, progress: told.append((what, progress)))
+    again = run_plan(PLAN, tmp_path, running)
     assert again.results == first.results
-    assert told[0] == ("mappings", 2, 2)
+    assert ("default", Progress(1, 1, None)) in told
+    assert ("thesis", Progress(1, 1, None)) in told
     pictures = draw_figures(PLAN, again, tmp_path, tmp_path / "figures", tmp_path)
     assert [(tmp_path / path).stat().st_size > 10_000 for _, path in pictures] == [True, True]
     thesis = first.of(GLOBAL, "env1", "thesis")[0]
@@ -56,7 +60,7 @@ def test_the_command_writes_report_and_json(tmp_path: Path, capsys: pytest.Captu
     arguments += ["--environments", "env1", "--work", str(tmp_path / "work")]
     assert execute([*arguments, "--json", str(out), "--report", str(report)]) == 0
     values = json.loads(out.read_text(encoding="utf-8"))
-    assert values["version"] == version
+    assert values["versions"]["map"] == version
     assert values["tables"]["4.3"][0]["measured"]["thesis"]["runs"] == 1
     assert "# Results" in report.read_text(encoding="utf-8")
     assert capsys.readouterr().out.strip() == f"{report}: written"
