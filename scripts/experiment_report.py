@@ -102,7 +102,8 @@ def _introduction(plan: Plan, versions: Mapping[str, str]) -> str:
             f"Seeds {plan.first_seed} to {last - 1}, every second one follows the left wall; those below "
             "1000 were used for tuning, none of these. Noise preset `thesis`, robot model `wheels`.",
             "Cells: mean [95 % interval of the mean] (worst). *Reproduced*: the mean of profile `thesis` "
-            "lies within the published least and greatest value. *Reached*: profile `default` keeps its target.",
+            "lies within the published least and greatest value. *Reached*: profile `default` keeps its "
+            "target.",
         ]
     )
 
