@@ -16,7 +16,8 @@ from .errors import (
 from .exporting import export
 from .hybrid_map import Arc, HybridMap
 from .json_map import read_json
-from .local_map import LocalEstimate, LocalMap, LocalMapConfig
+from .local_map import LocalEstimate, LocalMap
+from .local_training import LocalMapConfig
 from .map_file import MapFile, Truth, read_truth
 from .merging import merge
 from .meta import MapMeta

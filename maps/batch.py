@@ -1,120 +1,95 @@
-"""Batch SOM training (Kohonen 2001, section 3.6) and starting weights."""
+"""Batch SOM training (Kohonen 2001, section 3.6) from several turned starts at once."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from functools import lru_cache
+
 import numpy as np
 
-from .errors import MapError
-from .lattice import Floats, Lattice
-from .online import squared_distances
-from .schedules import BatchConfig, Start
+from .filling import fill
+from .lattice import SHARED_UNITS, Floats, Ints, Lattice
+from .sample_space import SampleSpace
+from .schedules import BatchConfig
+from .starting import principal_planes
+
+TORN_COUNTS = 4.0
+"""A start that tears 1 % of the samples more must have an error lower by this many per cent to be kept."""
 
 
 def train_batch(
-    lattice: Lattice, weights: Floats, samples: Floats, config: BatchConfig
+    lattice: Lattice, samples: Floats, config: BatchConfig, weights: Floats | None
 ) -> tuple[Floats, int, bool]:
-    """Trains from (units, dims) weights on (n, dims) samples: new weights, passes done, whether it settled.
+    """Trains on (n, dims) samples: (units, dims) new weights, passes done, whether it settled.
 
-    With n + units < dims everything but the last product is done on inner products (Gram form).
+    weights: (units, dims) to start from; None: the plane of the two principal components, laid
+    `config.starts` ways at once, of which the best is kept.
     """
-    if len(samples) + lattice.units < samples.shape[1]:
-        return _gram(lattice, weights, samples, config)
-    squared = squared_distances(weights, samples)
-    share = np.zeros_like(squared)
-    radii = config.radii()
-    winners = squared.argmin(axis=0)
-    for done in range(1, config.max_passes + 1):
-        share, reached = _share(lattice, radii[min(done, len(radii)) - 1], squared.argmin(axis=0))
-        weights = np.where(reached[:, None], share @ samples, weights)
-        squared = squared_distances(weights, samples)
-        before, winners = winners, squared.argmin(axis=0)
-        if done >= len(radii) and np.array_equal(before, winners):
-            return weights, done, True
-    return weights, config.max_passes, False
-
-
-def _gram(
-    lattice: Lattice, weights: Floats, samples: Floats, config: BatchConfig
-) -> tuple[Floats, int, bool]:
-    center = samples.mean(axis=0)
-    around = samples - center
-    inner = around @ around.T
-    own = np.diagonal(inner)
-    offset = weights - center
-    squared = np.einsum("ij,ij->i", offset, offset)[:, None] - 2.0 * (offset @ around.T) + own
-    radii = config.radii()
-    winners = squared.argmin(axis=0)
-    settled, done = False, 0
-    share = np.zeros((lattice.units, len(samples)))
-    while done < config.max_passes and not settled:
-        done += 1
-        share, _ = _share(lattice, radii[min(done, len(radii)) - 1], winners)
-        product = share @ inner
-        squared = np.einsum("ij,ij->i", product, share)[:, None] - 2.0 * product + own
-        before, winners = winners, squared.argmin(axis=0)
-        settled = done >= len(radii) and np.array_equal(before, winners)
-    return center + share @ around, done, settled
-
-
-def _share(
-    lattice: Lattice, radius: float, winners: np.ndarray[tuple[int], np.dtype[np.int64]]
-) -> tuple[Floats, np.ndarray[tuple[int], np.dtype[np.bool_]]]:
-    spread = np.exp(lattice.squared_distances[:, winners] * (-0.5 / (radius * radius)))
-    total = spread.sum(axis=1)
-    reached = total > 0.0
-    return spread / np.where(reached, total, 1.0)[:, None], reached
-
-
-def starting_weights(
-    lattice: Lattice,
-    samples: Floats,
-    start: Start,
-    start_range: tuple[float, float],
-    rng: np.random.Generator | None,
-) -> Floats:
-    """(units, dims) weights to begin with.
-
-    pca: a plane through the mean along the two principal components (needs no rng). grid: evenly over the
-    unit square, dimensions taking x and y in turn. random: uniform in `start_range`. samples: drawn ones.
-
-    Raises: MapError without the rng that random and samples need.
-    """
-    dims = samples.shape[1]
-    if start == "pca":
-        return _principal(lattice, samples)
-    if start == "grid":
-        place = lattice.positions
-        span = np.maximum(place.max(axis=0), 1e-12)
-        unit = np.where(place.max(axis=0) > 0.0, place / span, 0.5)
-        return np.ascontiguousarray(unit[:, np.arange(dims) % 2])
-    if rng is None:
-        raise MapError(f"starting weights {start!r} are drawn: pass a numpy Generator as rng")
-    if start == "random":
-        return rng.uniform(*start_range, size=(lattice.units, dims))
-    return samples[rng.integers(len(samples), size=lattice.units)].copy()
-
-
-def _principal(lattice: Lattice, samples: Floats) -> Floats:
-    center = samples.mean(axis=0)
-    around = samples - center
-    count, dims = around.shape
-    if count <= dims:  # the small of the two eigenproblems; both have the same nonzero part
-        values, vectors = np.linalg.eigh(around @ around.T)
-        values, vectors = values[::-1][:2], vectors[:, ::-1][:, :2]
-        axes = (around.T @ vectors).T  # length sqrt(value)
+    space = SampleSpace.of(samples)
+    if weights is None:
+        scores = space.scores(principal_planes(lattice, space, config.starts))
     else:
-        values, vectors = np.linalg.eigh(around.T @ around)
-        values, vectors = values[::-1][:2], vectors[:, ::-1][:, :2]
-        axes = vectors.T * np.sqrt(np.maximum(values, 0.0))[:, None]
-    axes = axes / np.sqrt(count)
-    largest = np.abs(axes).argmax(axis=1)
-    axes *= np.where(axes[np.arange(len(axes)), largest] < 0.0, -1.0, 1.0)[
-        :, None
-    ]  # eigenvectors have no sign
-    place = lattice.positions - lattice.positions.mean(axis=0)
-    scale = 2.0 / np.maximum(np.abs(place).max(axis=0), 0.5)
-    if np.ptp(lattice.positions[:, 0]) < np.ptp(lattice.positions[:, 1]):
-        axes = axes[::-1]  # the longer side of the lattice takes the first component
-    if len(axes) < 2:
-        axes = np.vstack([axes, np.zeros((2 - len(axes), dims))])
-    return np.asarray(center + (place * scale) @ axes)
+        scores = space.scores_of(weights)
+    coordinates, passes, settled = _passes(lattice, space, config, scores)
+    best = _best(lattice, space, coordinates)
+    if config.fill:
+        best = fill(lattice, best, space)
+    return space.leave(best), passes, settled
+
+
+def _passes(
+    lattice: Lattice, space: SampleSpace, config: BatchConfig, scores: Floats
+) -> tuple[Floats, int, bool]:
+    """Coordinates (m, starts * units) after training from scores (n, starts * units) of the first weights."""
+    schedule = _schedule(lattice, config) if lattice.units <= SHARED_UNITS else _steps(lattice, config)
+    count, width = scores.shape
+    winners = scores.reshape(count, -1, lattice.units).argmin(axis=2)
+    coordinates, done, settled = np.empty((0, width)), 0, False
+    for radius, table in schedule:
+        spread = table.take(winners, axis=0).reshape(count, width)
+        total = space.ones @ spread
+        if total.min() == 0.0:
+            spread, total = _far(lattice, radius, winners)
+        coordinates = space.mixed(spread) / total
+        scores = space.scores(coordinates)
+        before, winners = winners, scores.reshape(count, -1, lattice.units).argmin(axis=2)
+        done += 1
+        settled = done >= config.passes and np.array_equal(before, winners)
+        if settled:
+            break
+    return coordinates, done, settled
+
+
+@lru_cache(maxsize=8)
+def _schedule(lattice: Lattice, config: BatchConfig) -> tuple[tuple[float, Floats], ...]:
+    return tuple(_steps(lattice, config))
+
+
+def _steps(lattice: Lattice, config: BatchConfig) -> Iterator[tuple[float, Floats]]:
+    """For each pass up to the cap: the radius, and the (units, units) Gaussian of the lattice distance."""
+    table: Floats | None = None
+    for radius in config.radii().tolist():
+        table = np.exp(lattice.squared_distances * (-0.5 / (radius * radius)))
+        yield radius, table
+    assert table is not None
+    for _ in range(config.max_passes - config.passes):
+        yield radius, table
+
+
+def _far(lattice: Lattice, radius: float, winners: Ints) -> tuple[Floats, Floats]:
+    """The same shares where units lie so far from every winner that their Gaussians vanish."""
+    squared = lattice.squared_distances[winners]  # (n, starts, units)
+    spread = np.exp((squared - squared.min(axis=0)) * (-0.5 / (radius * radius))).reshape(len(winners), -1)
+    return spread, spread.sum(axis=0)
+
+
+def _best(lattice: Lattice, space: SampleSpace, coordinates: Floats) -> Floats:
+    """Of the starts' coordinates (m, starts * units) those with the best fit that is also orderly."""
+    starts = coordinates.shape[1] // lattice.units
+    if starts == 1:
+        return coordinates
+    apart = space.apart(coordinates).reshape(len(space), starts, lattice.units)
+    error = np.sqrt(apart.min(axis=2)).mean(axis=0)
+    cost = error * (1.0 + TORN_COUNTS * lattice.torn(apart).mean(axis=0))
+    first = int(cost.argmin()) * lattice.units
+    return np.ascontiguousarray(coordinates[:, first : first + lattice.units])

@@ -11,81 +11,82 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .lattice import Floats, Lattice
-from .online import squared_distances
+from .lattice import Floats, Ints, Lattice
+from .sample_space import SampleSpace
 
 LIMIT = 256
 """Maps of more units or samples are left as they are: each move looks at all pairs."""
 
-_SETTLING = 4
+_SETTLING = 2
 
 
-def fill(lattice: Lattice, weights: Floats, samples: Floats) -> Floats:
-    """(units, dims) weights with a quantization and a topographic error no higher than before."""
-    if len(samples) > LIMIT or not 1 < lattice.units <= LIMIT:
-        return weights
-    between = squared_distances(samples, samples)
-    apart = squared_distances(weights, samples)
-    weights = weights.copy()
-    torn = _torn(lattice, apart)
-    for mend in (True, False):  # first where the topology is torn, then wherever a unit is crowded
-        torn = _move_free_units(lattice, weights, samples, apart, between, torn, mend)
+def fill(lattice: Lattice, coordinates: Floats, space: SampleSpace) -> Floats:
+    """(m, units) coordinates with a quantization and a topographic error no higher than before."""
+    if len(space) > LIMIT or not 2 < lattice.units <= LIMIT:
+        return coordinates
+    coordinates, apart, between = coordinates.copy(), space.apart(coordinates), space.between()
+    _move_free_units(lattice, coordinates, space, apart, between)
+    return _settle(lattice, coordinates, space, apart)
+
+
+def _settle(lattice: Lattice, coordinates: Floats, space: SampleSpace, apart: Floats) -> Floats:
+    """Moves all units to the means of what they win, while that helps; apart: (n, units) as they are."""
+    torn = int(lattice.torn(apart).sum())
+    error = float(np.sqrt(apart.min(axis=1)).sum())
     for _ in range(_SETTLING):
-        winners = apart.argmin(axis=0)
-        count = np.bincount(winners, minlength=lattice.units)
-        members = (winners == np.arange(lattice.units)[:, None]) / np.maximum(count, 1)[:, None]
-        centered = np.where(count[:, None] > 0, members @ samples, weights)
-        settled = squared_distances(centered, samples)
-        gain = float(np.sqrt(apart.min(axis=0)).sum() - np.sqrt(settled.min(axis=0)).sum())
-        still = _torn(lattice, settled)
-        if gain <= 0.0 or still.sum() > torn.sum():
+        members = (apart.argmin(axis=1)[:, None] == np.arange(lattice.units)).astype(np.float64)
+        count = members.sum(axis=0)
+        centered = np.where(count > 0.0, space.mixed(members / np.maximum(count, 1.0)), coordinates)
+        moved = space.apart(centered)
+        moved_error, moved_torn = float(np.sqrt(moved.min(axis=1)).sum()), int(lattice.torn(moved).sum())
+        if moved_error >= error or moved_torn > torn:
             break
-        weights, apart, torn = centered, settled, still
-    return weights
-
-
-def _torn(lattice: Lattice, apart: Floats) -> NDArray[np.bool_]:
-    """(n,) whether each sample's best and second-best unit are no neighbors; apart: (units, n)."""
-    columns = np.arange(apart.shape[1])
-    first = apart.argmin(axis=0)
-    kept = apart[first, columns]
-    apart[first, columns] = np.inf
-    second = apart.argmin(axis=0)
-    apart[first, columns] = kept
-    return np.asarray(~lattice.adjacency[first, second])
+        coordinates, apart, error, torn = centered, moved, moved_error, moved_torn
+    return coordinates
 
 
 def _move_free_units(
-    lattice: Lattice,
-    weights: Floats,
-    samples: Floats,
-    apart: Floats,
-    between: Floats,
-    torn: NDArray[np.bool_],
-    mend: bool,
-) -> NDArray[np.bool_]:
-    """Moves free units one at a time, in place, until no move helps; which samples are torn then."""
-    refused: set[tuple[int, int]] = set()
+    lattice: Lattice, coordinates: Floats, space: SampleSpace, apart: Floats, between: Floats
+) -> None:
+    """Moves free units one at a time, in place, until no move helps: moves that mend a torn sample first."""
     for _ in range(2 * lattice.units):
-        winners, error = apart.argmin(axis=0), apart.min(axis=0)
+        order, far = _three_best(apart)
+        winners = order[:, 0]
         free = np.bincount(winners, minlength=lattice.units) == 0
-        if not free.any():
-            break
-        wanting = [
-            int(k) for k in np.argsort(-error, kind="stable") if error[k] > 1e-12 and (torn[k] or not mend)
-        ]
-        pairs = ((k, int(f)) for k in wanting for f in np.flatnonzero(lattice.adjacency[winners[k]] & free))
-        for sample, unit in pairs:
-            if (sample, unit) in refused:
-                continue
-            before = apart[unit].copy()
-            apart[unit] = between[sample]
-            now = _torn(lattice, apart)
-            if now.sum() < torn.sum() or (not mend and now.sum() == torn.sum()):
-                weights[unit], torn = samples[sample], now
-                break
-            apart[unit] = before
-            refused.add((sample, unit))
-        else:
-            break
-    return torn
+        worst = np.argsort(-far[:, 0], kind="stable")
+        worst = worst[far[worst, 0] > 1e-12]
+        rows, units = np.nonzero(lattice.adjacency[winners[worst]] & free)
+        if not len(rows):
+            return
+        samples = worst[rows]
+        torn = int(np.count_nonzero(~lattice.adjacency[winners, order[:, 1]]))
+        left = _torn_after(lattice, order, far, between[samples], units)
+        at = int((left < torn).argmax() or (left <= torn).argmax())
+        if left[at] > torn:
+            return
+        coordinates[:, units[at]] = space.point(int(samples[at]))
+        apart[:, units[at]] = between[samples[at]]
+
+
+def _three_best(apart: Floats) -> tuple[Ints, Floats]:
+    """(n, 3) the best units of each sample and their squared distances, of (n, units)."""
+    each, rest = np.arange(len(apart)), apart.copy()
+    order, far = np.empty((len(apart), 3), dtype=np.int64), np.empty((len(apart), 3))
+    for place in range(3):
+        best = rest.argmin(axis=1)
+        order[:, place], far[:, place] = best, rest[each, best]
+        rest[each, best] = np.inf
+    return order, far
+
+
+def _torn_after(lattice: Lattice, order: Ints, far: Floats, moved: Floats, units: Ints) -> NDArray[np.int64]:
+    """(moves,) how many samples are torn once free `units` lie at distances `moved` (moves, n), each alone.
+
+    order, far: (n, 3) each sample's best units now and their squared distances.
+    """
+    was_second = order[:, 1] == units[:, None]
+    second = np.where(was_second, order[:, 2], order[:, 1])
+    limit = np.where(was_second, far[:, 2], far[:, 1])
+    nearer = (moved < limit) | ((moved == limit) & (units[:, None] < second))
+    other = np.where(nearer, units[:, None], second)
+    return np.asarray((~lattice.adjacency[order[:, 0], other]).sum(axis=1))

@@ -12,7 +12,8 @@ import numpy as np
 from .errors import MapError
 from .hybrid_map import HybridMap
 from .lattice import frozen
-from .local_map import LocalMap, LocalMapContent
+from .local_content import LocalMapContent
+from .local_map import LocalMap
 from .meta import MapMeta
 from .som import SOM
 

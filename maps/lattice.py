@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, Literal, TypeVar
 
 import numpy as np
@@ -20,6 +20,10 @@ Array = TypeVar("Array", bound=NDArray[Any])
 
 MAX_UNITS = 10_000
 """A SOM larger than this is refused: its lattice tables grow with the square."""
+
+
+SHARED_UNITS = 256
+"""Tables of lattices of up to this many units are kept for the next SOM of that shape."""
 
 
 @dataclass(frozen=True)
@@ -84,10 +88,30 @@ class Lattice:
         """The direct neighbors of a unit, in increasing order."""
         return tuple(int(i) for i in np.flatnonzero(self.adjacency[unit]))
 
+    def torn(self, apart: Floats) -> NDArray[np.bool_]:
+        """Whether best and second-best unit are no neighbors, for distances (..., units)."""
+        if self.units < 2:
+            return np.zeros(apart.shape[:-1], dtype=bool)
+        rows = apart.reshape(-1, self.units).copy()
+        each = np.arange(len(rows))
+        first = rows.argmin(axis=1)
+        rows[each, first] = np.inf
+        return np.asarray(~self.adjacency[first, rows.argmin(axis=1)].reshape(apart.shape[:-1]))
+
     @cached_property
     def edges(self) -> Ints:
         """(edges, 2) pairs of neighboring units, smaller index first, sorted. Read-only."""
         return frozen(np.argwhere(np.triu(self.adjacency)).astype(np.int64))
+
+
+def lattice_of(rows: int, cols: int, topology: Topology = "hexagonal") -> Lattice:
+    """The lattice of that shape; SOMs of the same, not too large shape share its tables. Raises: MapError."""
+    return _shared(rows, cols, topology) if rows * cols <= SHARED_UNITS else Lattice(rows, cols, topology)
+
+
+@lru_cache(maxsize=32)
+def _shared(rows: int, cols: int, topology: Topology) -> Lattice:
+    return Lattice(rows, cols, topology)
 
 
 def frozen(array: Array) -> Array:

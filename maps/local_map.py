@@ -2,55 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from math import hypot
-from typing import Literal, Self
+from typing import Self
 
 import networkx as nx
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import MapError, NoPathError, UnknownNodeError, some
-from .lattice import Floats, Ints, Topology, frozen
-from .online import squared_distances
+from .errors import MapError, NoPathError, UnknownNodeError
+from .lattice import Floats, Ints, frozen
+from .local_content import LocalMapContent
+from .local_training import DEFAULT, LocalMapConfig, train
 from .planning import shortest_path
-from .schedules import BATCH, METRIC_1, METRIC_2, PERCEPTUAL_1, PERCEPTUAL_2, Config
 from .som import SOM, Method
-
-PANORAMA_SHAPE = (4, 16, 16)
-"""Views ahead, left, behind, right of the entry heading, each (16, 16) luminance in [0, 1]."""
-
-
-@dataclass(frozen=True, slots=True)
-class LocalMapConfig:
-    """How a local map is built. size: side (m) of the square local space, centered on the node.
-
-    association: how positions are tied to perceptual units, `midpoint` (eq. 3.32: the last sample weighs
-    half) or `mean`. locating: how a position is estimated from a view (see `SOM.locate`).
-    """
-
-    rows: int = 5
-    cols: int = 5
-    topology: Topology = "hexagonal"
-    size: float = 0.25
-    metric: Config = BATCH
-    perceptual: Config = BATCH
-    association: Literal["mean", "midpoint"] = "mean"
-    locating: Method = "radial"
-
-
-_NEXT = 0.03
-"""Meters up to which two samples in a row count as joined by a drive."""
-
-DEFAULT = LocalMapConfig()
-"""Profile `default`."""
-
-THESIS_1 = LocalMapConfig(metric=METRIC_1, perceptual=PERCEPTUAL_1, association="midpoint", locating="best")
-"""Tables 4.7 and 4.8, configuration 1."""
-
-THESIS_2 = LocalMapConfig(metric=METRIC_2, perceptual=PERCEPTUAL_2, association="midpoint", locating="best")
-"""Tables 4.7 and 4.8, configuration 2, the one the thesis finds the better."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,51 +32,6 @@ class LocalEstimate:
     unit: int
     distance: float
     confidence: float
-
-
-@dataclass(frozen=True, slots=True)
-class LocalMapContent:
-    """All that a local map holds, as it is stored. Arrays are read-only; `LocalMap` says what they mean."""
-
-    metric: SOM
-    hits: Ints
-    edges: Ints
-    entry_heading: float
-    perceptual: SOM | None = None
-    view_positions: Floats | None = None
-    view_error: float = 0.0
-    entry_panorama: NDArray[np.float32] | None = None
-    blocked: frozenset[tuple[int, int]] = frozenset()
-    locating: Method = "best"
-
-    def __post_init__(self) -> None:
-        """Checks that the parts fit together. Raises: MapError."""
-        units = self.metric.units
-        if self.metric.weights.shape[1] != 2:
-            raise MapError(
-                f"a metric SOM of {self.metric.weights.shape[1]} dimensions: expected 2 (x, y in m)"
-            )
-        if self.hits.shape != (units,) or (self.hits < 0).any():
-            raise MapError(f"hits of shape {self.hits.shape}: expected ({units},), none negative")
-        if self.edges.ndim != 2 or self.edges.shape[1:] != (2,) or not _edges_fit(self.edges, units):
-            raise MapError(f"free-space edges must be distinct pairs i < j of the {units} units")
-        if (self.perceptual is None) != (self.view_positions is None):
-            raise MapError("a perceptual SOM and its view positions come together or not at all")
-        if self.perceptual is not None and self.view_positions is not None:
-            expected = (self.perceptual.units, 2)
-            if self.view_positions.shape != expected or np.isinf(self.view_positions).any():
-                raise MapError(
-                    f"view positions of shape {self.view_positions.shape}: expected {expected}, finite or NaN"
-                )
-        if self.entry_panorama is not None and self.entry_panorama.shape != PANORAMA_SHAPE:
-            raise MapError(
-                f"an entry panorama of shape {self.entry_panorama.shape}: expected {PANORAMA_SHAPE}"
-            )
-        if self.locating not in ("best", "nearest", "radial"):
-            raise MapError(f"unknown way to locate {self.locating!r}; known: best, nearest, radial")
-        kept = {(int(i), int(j)) for i, j in self.edges}
-        if not self.blocked <= kept:
-            raise MapError(f"blocked edges {some(sorted(self.blocked - kept))} are no free-space edges")
 
 
 class LocalMap:
@@ -148,22 +69,15 @@ class LocalMap:
         positions: (N, 2) m, local frame. panorama_positions: (K, 2) m; panoramas: (K, 4, 16, 16). The rng is
         needed by the thesis's configurations alone. Raises: MapError.
         """
-        places = _places(positions, "positions")
-        metric = SOM(config.rows, config.cols, config.topology)
-        metric.fit(places / config.size + 0.5, config.metric, rng)
-        metric = SOM(config.rows, config.cols, config.topology, (metric.weights - 0.5) * config.size)
-        perceptual, tied, error = _views(panorama_positions, panoramas, config, rng)
         return cls(
-            LocalMapContent(
-                metric=metric,
-                hits=frozen(metric.hits(places)),
-                edges=frozen(_free_edges(metric, places)),
-                entry_heading=float(entry_heading),
-                perceptual=perceptual,
-                view_positions=tied,
-                view_error=error,
-                entry_panorama=_panorama(entry_panorama),
-                locating=config.locating,
+            train(
+                positions,
+                panorama_positions,
+                panoramas,
+                config,
+                rng,
+                float(entry_heading),
+                entry_panorama,
             )
         )
 
@@ -317,77 +231,3 @@ class LocalMap:
 
 def _distance(one: tuple[float, float], other: tuple[float, float]) -> float:
     return hypot(one[0] - other[0], one[1] - other[1])
-
-
-def _free_edges(metric: SOM, places: Floats) -> Ints:
-    """(E, 2) edges of free space: those of the lattice that samples keep, and those that were driven.
-
-    places: (n, 2) m, in the order in which they were sampled. Two samples in a row that are near each other
-    have free space between them, so their units are joined even where the lattice has no such edge.
-    """
-    kept = metric.kept_edges(places)
-    won = metric.winners(places)
-    apart = np.linalg.norm(np.diff(places, axis=0), axis=1)
-    driven = np.column_stack((won[:-1], won[1:]))[(apart <= _NEXT) & (won[:-1] != won[1:])]
-    return np.unique(np.vstack((kept, np.sort(driven, axis=1))).astype(np.int64), axis=0)
-
-
-def _edges_fit(edges: Ints, units: int) -> bool:
-    inside = bool(((edges >= 0) & (edges < units)).all()) and bool((edges[:, 0] < edges[:, 1]).all())
-    return inside and len(np.unique(edges, axis=0)) == len(edges)
-
-
-def _places(values: ArrayLike, name: str) -> Floats:
-    places = np.asarray(values, dtype=np.float64)
-    if places.ndim != 2 or places.shape[1] != 2 or not len(places) or not np.isfinite(places).all():
-        raise MapError(f"{name} of shape {places.shape}: expected (n, 2) finite m, at least one")
-    return places
-
-
-def _panorama(value: ArrayLike | None) -> NDArray[np.float32] | None:
-    return None if value is None else frozen(np.array(value, dtype=np.float32))
-
-
-def _views(
-    positions: ArrayLike | None,
-    panoramas: ArrayLike | None,
-    config: LocalMapConfig,
-    rng: np.random.Generator | None,
-) -> tuple[SOM | None, Floats | None, float]:
-    """The perceptual SOM in single precision, the positions tied to its units, its mean training distance."""
-    if positions is None or panoramas is None or not len(np.asarray(panoramas)):
-        return None, None, 0.0
-    places = _places(positions, "panorama positions")
-    views = np.asarray(panoramas, dtype=np.float64)
-    if len(views) != len(places):
-        raise MapError(f"{len(views)} panoramas at {len(places)} positions: expected one position each")
-    views = views.reshape(len(views), -1)
-    trained = SOM(config.rows, config.cols, config.topology).fit(views, config.perceptual, rng)
-    som = SOM(config.rows, config.cols, config.topology, trained.weights.astype(np.float32))
-    tied = tie_positions(som.winners(views), places, som.units, config.association)
-    return som, frozen(tied), _view_error(som, views)
-
-
-def _view_error(som: SOM, views: Floats) -> float:
-    """How far a view taken nearby may be: from its unit or its nearest fellow, the larger mean."""
-    if len(views) == 1:
-        return som.quantization_error(views)
-    apart = squared_distances(views, views)
-    np.fill_diagonal(apart, np.inf)
-    return max(som.quantization_error(views), float(np.sqrt(apart.min(axis=1)).mean()))
-
-
-def tie_positions(
-    winners: Iterable[int], places: Floats, units: int, association: Literal["mean", "midpoint"]
-) -> Floats:
-    """(units, 2) m: the place tied to each perceptual unit, NaN where none won; eq. 3.32 for `midpoint`."""
-    tied = np.full((units, 2), np.nan)
-    count = np.zeros(units)
-    for unit, place in zip(winners, places, strict=True):
-        count[unit] += 1
-        if count[unit] == 1:
-            tied[unit] = place
-        else:
-            weight = 0.5 if association == "midpoint" else 1.0 / count[unit]
-            tied[unit] += weight * (place - tied[unit])
-    return tied

@@ -6,7 +6,8 @@ from dataclasses import fields, replace
 
 from .comparing import Comparison, compare
 from .hybrid_map import Arc, HybridMap
-from .local_map import LocalMap, LocalMapContent
+from .local_content import LocalMapContent
+from .local_map import LocalMap
 
 
 def merge(one: HybridMap, other: HybridMap, comparison: Comparison | None = None) -> HybridMap:

@@ -13,7 +13,7 @@ from typing import Any
 from urllib.parse import quote
 
 from .errors import MapFileDamagedError, MapFileError
-from .local_map import LocalMapContent
+from .local_content import LocalMapContent
 from .locking import LOCK_SUFFIX
 from .records import row_hash, unpack_local_map, wrap_sum
 from .schema import APPLICATION_ID, COLUMNS, DIGESTED, FORMAT_VERSION, TABLES

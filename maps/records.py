@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .errors import MapError, MapFileDamagedError
 from .lattice import frozen
-from .local_map import LocalMapContent
+from .local_content import LocalMapContent
 from .som import SOM
 
 Value = int | float | str | bytes | None

@@ -81,14 +81,16 @@ class BatchConfig:
     """Batch training: every pass moves each unit to the weighted mean of all samples.
 
     The Gaussian radius shrinks geometrically from `radius` to `radius_end` in `passes` passes, then stays
-    until the best-matching units repeat, for at most `max_passes` in all. fill: units left without samples
-    then take over samples that share one (see `filling`).
+    until the best-matching units repeat, for at most `max_passes` in all. starts: from how many turned planes
+    at once, of which the best is kept (start "pca" alone). fill: units left without samples then take over
+    samples that share one (see `filling`).
     """
 
-    passes: int = 20
+    passes: int = 12
     radius: float = 3.0
-    radius_end: float = 0.4
+    radius_end: float = 0.3
     start: Start = "pca"
+    starts: int = 4
     start_range: tuple[float, float] = (-0.3, 0.3)
     max_passes: int = 60
     fill: bool = True
@@ -101,6 +103,8 @@ class BatchConfig:
             )
         if self.radius <= 0.0 or self.radius_end <= 0.0:
             raise MapError("the neighborhood's radius must be positive")
+        if not 1 <= self.starts <= 4:
+            raise MapError(f"{self.starts} starts: from 1 to 4")
 
     def radii(self) -> Floats:
         """(passes,) the Gaussian radius of each pass, in lattice units."""

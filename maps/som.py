@@ -8,12 +8,12 @@ from typing import Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .batch import starting_weights, train_batch
+from .batch import train_batch
 from .errors import MapError, NotTrainedError
-from .filling import fill
-from .lattice import Floats, Ints, Lattice, Topology, frozen
+from .lattice import Floats, Ints, Topology, frozen, lattice_of
 from .online import squared_distances, train_online
 from .schedules import BATCH, Config, OnlineConfig
+from .starting import starting_weights
 
 Method = Literal["best", "nearest", "radial"]
 
@@ -43,7 +43,7 @@ class SOM:
         self, rows: int = 5, cols: int = 5, topology: Topology = "hexagonal", weights: ArrayLike | None = None
     ) -> None:
         """An untrained map, or a trained one when weights (units, dims) are given. Raises: MapError."""
-        self.lattice = Lattice(rows, cols, topology)
+        self.lattice = lattice_of(rows, cols, topology)
         self.training: Training | None = None
         self._weights: NDArray[np.floating] | None = None
         if weights is not None:
@@ -93,7 +93,9 @@ class SOM:
     def fit(self, samples: ArrayLike, config: Config = BATCH, rng: np.random.Generator | None = None) -> Self:
         """Trains anew on (n, dims) samples from the config's starting weights. Raises: MapError."""
         data = self._checked_samples(samples)
-        start = starting_weights(self.lattice, data, config.start, config.start_range, rng)
+        start = None
+        if config.start != "pca" or isinstance(config, OnlineConfig):
+            start = starting_weights(self.lattice, data, config.start, config.start_range, rng)
         return self._run(start, data, config, rng)
 
     def partial_fit(
@@ -103,15 +105,17 @@ class SOM:
         data = self._checked_samples(samples, like_weights=True)
         return self._run(self.weights.astype(np.float64), data, config, rng)
 
-    def _run(self, start: Floats, data: Floats, config: Config, rng: np.random.Generator | None) -> Self:
+    def _run(
+        self, start: Floats | None, data: Floats, config: Config, rng: np.random.Generator | None
+    ) -> Self:
         if isinstance(config, OnlineConfig):
+            assert start is not None
             if rng is None and config.order == "random":
                 raise MapError("online training draws its samples: pass a numpy Generator as rng")
             source = rng if rng is not None else np.random.default_rng(0)
             weights, steps, converged = train_online(self.lattice, start, data, config, source)
         else:
-            weights, steps, converged = train_batch(self.lattice, start, data, config)
-            weights = fill(self.lattice, weights, data) if config.fill else weights
+            weights, steps, converged = train_batch(self.lattice, data, config, start)
         self._weights = frozen(np.ascontiguousarray(weights))
         self.training = Training(len(data), steps, converged)
         return self

@@ -46,8 +46,8 @@ def put_node(writer: RowWriter, graph: nx.MultiDiGraph[int], node: int) -> None:
         manifest,
     )
     check_node(row)
-    writer.put("node", row)
-    writer.put_tensors(node, tensors)
+    if writer.put("node", row):  # the row holds its local map's hash: unchanged, so are the bytes
+        writer.put_tensors(node, tensors)
 
 
 def put_arc(writer: RowWriter, graph: nx.MultiDiGraph[int], key: tuple[int, int, str]) -> None:

@@ -47,30 +47,40 @@ class RowWriter:
         self.connection = connection
         self._changes: dict[str, tuple[int, int]] = {}
 
-    def put(self, table: str, row: tuple[Value, ...]) -> None:
-        """Inserts a row, in the order of COLUMNS, or replaces the one with its key."""
+    def put(self, table: str, row: tuple[Value, ...]) -> bool:
+        """Inserts a row, in the order of COLUMNS, or replaces the one with its key; whether that was needed.
+
+        A row that is there already costs no write: most of what a commit puts has not changed.
+        """
         clean = tuple(
             value + 0.0 if isinstance(value, float) else value for value in row
         )  # no -0.0: see format.md
-        self.delete(table, clean[: len(KEYS[table])])
-        value = row_hash(table, clean)
+        value, there = row_hash(table, clean), self._hash(table, clean[: len(KEYS[table])])
+        if value == there:
+            return False
         marks = ", ".join("?" * (len(clean) + 1))
-        self.connection.execute(f"INSERT INTO {table} VALUES ({marks})", (*clean, value))
-        self._change(table, 1, value)
+        self.connection.execute(f"INSERT OR REPLACE INTO {table} VALUES ({marks})", (*clean, value))
+        self._change(table, int(there is None), value - (there or 0))
+        return True
 
     def delete(self, table: str, key: tuple[Value, ...]) -> None:
         """Deletes the row with that key, if there is one."""
-        where = " AND ".join(f"{column} = ?" for column in KEYS[table])
-        found = self.connection.execute(f"SELECT hash FROM {table} WHERE {where}", key).fetchone()
-        if found is not None:
-            self.connection.execute(f"DELETE FROM {table} WHERE {where}", key)
-            self._change(table, -1, -found[0])
+        there = self._hash(table, key)
+        if there is not None:
+            self.connection.execute(f"DELETE FROM {table} WHERE {_where(table)}", key)
+            self._change(table, -1, -there)
+
+    def _hash(self, table: str, key: tuple[Value, ...]) -> int | None:
+        query = f"SELECT hash FROM {table} WHERE {_where(table)}"
+        found = self.connection.execute(query, key).fetchone()
+        return None if found is None else int(found[0])
 
     def put_tensors(self, node: int, data: bytes | None) -> None:
         """Sets or, with None, removes the bytes of a node's local map."""
-        self.connection.execute("DELETE FROM tensors WHERE node = ?", (node,))
-        if data is not None:
-            self.connection.execute("INSERT INTO tensors VALUES (?, ?)", (node, data))
+        if data is None:
+            self.connection.execute("DELETE FROM tensors WHERE node = ?", (node,))
+        else:
+            self.connection.execute("INSERT OR REPLACE INTO tensors VALUES (?, ?)", (node, data))
 
     def finish(self) -> None:
         """Writes the changed digest."""
@@ -87,6 +97,10 @@ class RowWriter:
     def _change(self, table: str, rows: int, total: int) -> None:
         known = self._changes.get(table, (0, 0))
         self._changes[table] = (known[0] + rows, known[1] + total)
+
+
+def _where(table: str) -> str:
+    return " AND ".join(f"{column} = ?" for column in KEYS[table])
 
 
 @contextmanager

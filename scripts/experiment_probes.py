@@ -16,7 +16,8 @@ from ..agent.behavior import Context
 from ..agent.events import BehaviorFinished, BehaviorStarted, NodeCommitted, NodeCreated
 from ..agent.goals import LocalSamples
 from ..agent.thesis_mapping import ThesisMapper
-from ..maps.local_map import DEFAULT, THESIS_1, LocalMap, LocalMapConfig
+from ..maps.local_map import LocalMap
+from ..maps.local_training import DEFAULT, THESIS_1, LocalMapConfig
 from ..maps.som import SOM
 from ..world.robot import Percept, Pose, wrap_angle
 from .mapping_run import MappingRun

@@ -18,7 +18,8 @@ from ..agent.navigation import Navigator
 from ..agent.thesis_mapping import ThesisMapper, ThesisMappingConfig
 from ..agent.thesis_navigation import ThesisNavigationConfig, ThesisNavigator
 from ..maps.hybrid_map import HybridMap
-from ..maps.local_map import DEFAULT, THESIS_2, LocalMap, LocalMapConfig
+from ..maps.local_map import LocalMap
+from ..maps.local_training import DEFAULT, THESIS_2, LocalMapConfig
 from ..maps.schedules import PERCEPTUAL_2
 from .cli_errors import did_you_mean
 from .requests import MapRequest, SessionError

@@ -2,11 +2,13 @@ from __future__ import annotations
 
 from itertools import pairwise
 
+import networkx as nx
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from tolman.maps.errors import MapError, NoPathError, UnknownNodeError
-from tolman.maps.local_map import DEFAULT, THESIS_1, THESIS_2, LocalMap, LocalMapConfig, tie_positions
+from tolman.maps.local_map import LocalMap
+from tolman.maps.local_training import DEFAULT, THESIS_1, THESIS_2, LocalMapConfig, tie_positions
 
 
 def lattice_walk(step: float = 0.02) -> NDArray[np.float64]:
@@ -130,6 +132,55 @@ def test_unknown_units_and_edges_are_named() -> None:
 def test_samples_that_do_not_fit_are_refused(positions: object, spots: object, views: object) -> None:
     with pytest.raises(MapError):
         LocalMap.build(positions, spots, views)  # type: ignore[arg-type]
+
+
+def walk_around_a_wall(rng: np.random.Generator) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Positions in order, a body away from a wall without thickness; the wall's ends (2, 2) m."""
+    angle = rng.uniform(0.0, np.pi)
+    start = rng.uniform(-0.05, 0.05, 2)
+    wall = np.array([start, start + 0.4 * np.array([np.cos(angle), np.sin(angle)])])
+    places = lattice_walk() + rng.normal(0.0, 0.003, (len(lattice_walk()), 2))
+    along = wall[1] - wall[0]
+    share = np.clip((places - wall[0]) @ along / (along @ along), 0.0, 1.0)
+    return places[np.linalg.norm(places - wall[0] - share[:, None] * along, axis=1) > 0.037], wall
+
+
+def crosses(a: NDArray[np.float64], b: NDArray[np.float64], wall: NDArray[np.float64]) -> bool:
+    def side(p: NDArray[np.float64], q: NDArray[np.float64], r: NDArray[np.float64]) -> float:
+        return float((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]))
+
+    apart = side(*wall, a) * side(*wall, b)  # type: ignore[call-arg]
+    return apart < 0.0 and side(a, b, wall[0]) * side(a, b, wall[1]) < 0.0
+
+
+def test_next_to_no_kept_edge_crosses_a_wall_without_thickness() -> None:
+    crossing = edges = 0
+    for seed in range(30):
+        places, wall = walk_around_a_wall(np.random.default_rng(seed))
+        local = LocalMap.build(places)
+        units = local.metric.weights
+        edges += len(local.edges)
+        crossing += sum(crosses(units[i], units[j], wall) for i, j in local.edges.tolist())
+    assert edges > 500
+    assert crossing <= 0.01 * edges
+
+
+def test_free_space_joins_units_that_were_hit_alone() -> None:
+    for seed in range(10):
+        places, _ = walk_around_a_wall(np.random.default_rng(seed))
+        local = LocalMap.build(places)
+        assert (local.hits[local.edges] > 0).all()
+
+
+def test_parts_between_which_no_wall_fits_are_joined_wherever_samples_left_off() -> None:
+    arms = [
+        np.column_stack((np.arange(0.02, 0.1, 0.02), np.zeros(4))) @ turn
+        for turn in (np.eye(2), np.array([[0.0, 1.0], [-1.0, 0.0]]), -np.eye(2))
+    ]
+    local = LocalMap.build(np.vstack(([[0.0, 0.0]], *arms)))  # three dead ends, driven back without sampling
+    graph = local.free_space()
+    assert nx.is_connected(graph)
+    assert set(graph) == set(np.flatnonzero(local.hits > 0).tolist())
 
 
 def obstacle_free(place: NDArray[np.float64], center: NDArray[np.float64], radius: float) -> bool:

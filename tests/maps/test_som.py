@@ -153,8 +153,8 @@ def test_batch_training_needs_no_seed_and_repeats_to_the_bit() -> None:
 
 
 def test_gram_and_direct_batch_training_agree() -> None:
-    samples = views(count=20, dims=30)  # 20 + 25 > 30: direct
-    wide = np.hstack([samples, np.zeros((20, 60))])  # 20 + 25 < 90: Gram form, same geometry
+    samples = views(count=40, dims=30)  # more samples than dimensions: direct
+    wide = np.hstack([samples, np.zeros((40, 60))])  # fewer: Gram form, same geometry
     direct, gram = SOM.train(samples), SOM.train(wide)
     assert np.abs(gram.weights[:, :30] - direct.weights).max() < 1e-10
     assert np.abs(gram.weights[:, 30:]).max() < 1e-12
@@ -165,6 +165,39 @@ def test_batch_beats_configuration_1_in_both_kinds(seed: int) -> None:
     for samples, config in ((places(30, seed=seed), METRIC_1), (views(seed=seed), PERCEPTUAL_1)):
         thesis = SOM.train(samples, config, np.random.default_rng(seed))
         assert SOM.train(samples).quantization_error(samples) <= 0.85 * thesis.quantization_error(samples)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_batch_tears_no_more_samples_than_configuration_1_over_many_rooms(seed: int) -> None:
+    rooms = [places(40, seed=100 * seed + room) for room in range(8)]
+    thesis = [SOM.train(room, METRIC_1, np.random.default_rng(seed)) for room in rooms]
+    errors = [
+        (SOM.train(room).topographic_error(room), som.topographic_error(room))
+        for room, som in zip(rooms, thesis, strict=True)
+    ]
+    ours, theirs = np.mean(errors, axis=0)
+    assert ours <= theirs
+
+
+def test_of_several_starts_one_is_kept_that_fits_no_worse_before_filling() -> None:
+    samples = places(40, seed=3)
+    costs = []
+    for starts in (1, 4):
+        som = SOM.train(samples, BatchConfig(starts=starts, fill=False))
+        costs.append(som.quantization_error(samples) * (1.0 + 4.0 * som.topographic_error(samples)))
+    assert costs[1] <= costs[0] + 1e-12
+
+
+@pytest.mark.parametrize("starts", [0, 5])
+def test_a_number_of_starts_that_there_is_not_is_refused(starts: int) -> None:
+    with pytest.raises(MapError, match="from 1 to 4"):
+        BatchConfig(starts=starts)
+
+
+def test_units_too_far_from_every_winner_to_be_reached_follow_the_nearest() -> None:
+    som = SOM.train([[0.0], [1.0]], BatchConfig(passes=1, radius_end=0.3, fill=False), rows=1, cols=40)
+    assert np.isfinite(som.weights).all()
+    assert set(np.round(som.weights[:, 0], 6)) >= {0.0, 1.0}
 
 
 def test_continued_training_follows_new_samples() -> None:
