@@ -49,7 +49,7 @@ TARGETS = {
             ["-c", "from importlinter.cli import lint_imports_command; lint_imports_command()"],
         ],
     ),
-    "bench": ("", [["-m", "tolman.scripts.bench_tick"]]),
+    "bench": ("test", [["-m", "tolman.scripts.bench_tick"], ["-m", "tolman.scripts.bench_maps"]]),
     "torture": ("", [["-m", "tolman.scripts.torture", "all"]]),
     "format": ("dev", [["-m", "ruff", "check", "--fix", "."], ["-m", "ruff", "format", "."]]),
 }
