@@ -7,25 +7,33 @@ robots in one skeleton, four physics steps of 8 ms a control tick.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from itertools import chain
 from typing import Any
-
-import numpy as np
 
 from ._dart import dartpy
 from .base import SimulationError
-from .dart_bodies import GRAVITY, MovableBody, PlanarBody, RobotBody, WheelsBody, fixed, ground, solids
-from .geometry import Floats, outline
-from .robot import CONTROL_PERIOD, Pose
+from .dart_bodies import (
+    GRAVITY,
+    STEP,
+    SUBSTEPS,
+    MovableBody,
+    PlanarBody,
+    RobotBody,
+    WheelsBody,
+    fixed,
+    ground,
+    solids,
+)
+from .nearby import Nearby
+from .robot import Pose
 from .simulated import SimulatedWorld
-from .spec import Box, Cylinder
 
-SUBSTEPS = 4
-STEP = CONTROL_PERIOD / SUBSTEPS
-"""Seconds of one physics step."""
 TILT_LIMIT = math.cos(math.radians(20.0))
 SINK_LIMIT, RISE_LIMIT = -0.01, 0.02
 """How far (m) a robot's axle may be off its height before the run is given up."""
+REMEMBERED = 64
+"""How many sets of fixed shapes are kept at hand."""
 BODIES: dict[str, type[WheelsBody] | type[PlanarBody]] = {"wheels": WheelsBody, "planar": PlanarBody}
 
 
@@ -40,6 +48,7 @@ class DartWorld(SimulatedWorld):
         self._world.setTimeStep(STEP)
         self._world.setGravity([0.0, 0.0, -GRAVITY])
         self._world.getConstraintSolver().setCollisionDetector(dartpy.collision.OdeCollisionDetector())
+        self._ignored: Any = self._world.getConstraintSolver().getCollisionOption().collisionFilter
         self._world.addSkeleton(ground())
         track = self.geometry.track * (1.0 + self.noise.wrong_track)
         self._robots: list[RobotBody] = [
@@ -54,8 +63,14 @@ class DartWorld(SimulatedWorld):
             self._world.addSkeleton(skeleton)
         for robot, pose in zip(self._robots, self._poses, strict=True):
             robot.put(pose.x, pose.y, pose.heading)
-        self.nearby = Nearby(self._world, self.spec.shapes, [movable.box for movable in self.spec.movable])
-        self.nearby.follow(self._places())
+        self._keep_wheels_to_the_floor()
+        self.nearby = Nearby(
+            [solid for shape in self.spec.shapes for solid in solids(shape)],
+            max([self.geometry.body_radius, *(box.reach for box in self._boxes)]),
+        )
+        self._fixed: dict[tuple[int, ...], Any] = {}
+        self._around: Any = None
+        self._surround(self.nearby.follow(self._places()))
 
     def _advance(self, speeds: Sequence[tuple[float, float]]) -> None:
         for robot, (left, right) in zip(self._robots, speeds, strict=True):
@@ -65,8 +80,48 @@ class DartWorld(SimulatedWorld):
             for robot in self._robots:
                 robot.before_step()
             step(False)
-        self._movable_poses = [self._box_pose(index) for index in range(len(self._boxes))]
-        self.nearby.follow(self._places())
+        if self._boxes:
+            self._movable_poses = [self._box_pose(index) for index in range(len(self._boxes))]
+        self._surround(self.nearby.follow(self._places()))
+
+    def _keep_wheels_to_the_floor(self) -> None:
+        """Has DART ignore contacts of wheels with anything that moves; for what is fixed see `_surround`."""
+        for robot in self._robots:
+            others = chain.from_iterable(
+                skeleton.getBodyNodes() for skeleton in self._skeletons if skeleton is not robot.skeleton
+            )
+            for body in others:
+                for wheel in robot.rolling:
+                    self._ignored.addBodyNodePairToBlackList(wheel, body)
+
+    def _surround(self, kept: tuple[int, ...] | None) -> None:
+        """Puts these fixed shapes into the physics in place of those there; None: they have not changed."""
+        if kept is None:
+            return
+        if self._around is not None:
+            self._world.removeSkeleton(self._around)
+        self._around = self._fixed_skeleton(kept) if kept else None
+        if self._around is not None:
+            self._world.addSkeleton(self._around)
+
+    def _fixed_skeleton(self, kept: tuple[int, ...]) -> Any:
+        """The skeleton of these shapes; the last ones are remembered: making one costs more than a tick."""
+        skeleton = self._fixed.pop(kept, None)
+        if skeleton is None:
+            skeleton = fixed([self.nearby.solids[index] for index in kept])
+            self._exempt(skeleton, self._ignored.addBodyNodePairToBlackList)
+            if len(self._fixed) >= REMEMBERED:
+                oldest = next(iter(self._fixed))
+                self._exempt(self._fixed.pop(oldest), self._ignored.removeBodyNodePairFromBlackList)
+        self._fixed[kept] = skeleton
+        return skeleton
+
+    def _exempt(self, skeleton: Any, change: Callable[[Any, Any], None]) -> None:
+        """Applies `change` of the ignored pairs to each wheel and the one body of a fixed skeleton."""
+        body = skeleton.getBodyNode(0)
+        for robot in self._robots:
+            for wheel in robot.rolling:
+                change(wheel, body)
 
     def _read(self, index: int) -> Pose:
         x, y, rise, heading, upright = self._robots[index].read()
@@ -89,7 +144,7 @@ class DartWorld(SimulatedWorld):
     def _put(self, index: int, pose: Pose) -> None:
         self._robots[index].put(pose.x, pose.y, pose.heading)
         self._poses[index] = pose
-        self.nearby.follow(self._places())
+        self._surround(self.nearby.follow(self._places()))
 
     def _bodies(self) -> Any:
         return {
@@ -103,59 +158,12 @@ class DartWorld(SimulatedWorld):
         for skeleton, (positions, velocities) in zip(self._skeletons, bodies["bodies"], strict=True):
             skeleton.setPositions(positions)
             skeleton.setVelocities(velocities)
-        self.nearby.gather([(float(x), float(y)) for x, y in bodies["near"]])
+        self._surround(self.nearby.gather([(float(x), float(y)) for x, y in bodies["near"]]))
         self._movable_poses = [self._box_pose(index) for index in range(len(self._boxes))]
 
     def close(self) -> None:
         """Drops the DART world."""
         super().close()
         self._robots, self._boxes, self._skeletons = [], [], []
-        self._world = None
-
-
-class Nearby:
-    """Keeps only the fixed shapes near a body in the DART world, as its cost is per shape."""
-
-    SLACK = 0.10
-    """How far (m) a body moves before the shapes around it are gathered anew."""
-    REACH = 0.08
-    """How near (m), beyond the slack and the body's own size, a shape must be to be kept."""
-
-    def __init__(self, world: Any, shapes: Sequence[Any], movable: Sequence[Box]) -> None:
-        """Remembers all shapes; `follow` brings in the first."""
-        self._world = world
-        self._solids: list[Cylinder | Box] = [solid for shape in shapes for solid in solids(shape)]
-        corners = [np.array(outline(solid)) for solid in self._solids]
-        self._low: Floats = np.array([points.min(axis=0) for points in corners]).reshape(-1, 2)
-        self._high: Floats = np.array([points.max(axis=0) for points in corners]).reshape(-1, 2)
-        widest = max((math.hypot(box.width, box.depth) / 2 for box in movable), default=0.0)
-        self._reach = self.SLACK + self.REACH + max(0.035, widest)
-        self.kept: list[int] = []
-        self._skeleton: Any = None
-        self.anchors: list[tuple[float, float]] = []
-
-    def follow(self, places: list[tuple[float, float]]) -> None:
-        """Gathers anew when a body has moved away from where it was at the last time."""
-        limit = self.SLACK**2
-        if len(places) != len(self.anchors) or any(
-            (x - x0) ** 2 + (y - y0) ** 2 > limit
-            for (x, y), (x0, y0) in zip(places, self.anchors, strict=True)
-        ):
-            self.gather(places)
-
-    def gather(self, places: list[tuple[float, float]]) -> None:
-        """Puts the shapes near `places` into the world, in the order of the description."""
-        self.anchors = list(places)
-        near = np.zeros(len(self._solids), dtype=bool)
-        for place in places:
-            gap = np.maximum(np.maximum(self._low - place, place - self._high), 0.0)
-            near |= (gap**2).sum(axis=1) < self._reach**2
-        kept: list[int] = np.flatnonzero(near).tolist()
-        if kept == self.kept:
-            return
-        self.kept = kept
-        if self._skeleton is not None:
-            self._world.removeSkeleton(self._skeleton)
-        self._skeleton = fixed([self._solids[index] for index in kept]) if kept else None
-        if self._skeleton is not None:
-            self._world.addSkeleton(self._skeleton)
+        self._fixed, self._around = {}, None
+        self._world = self._ignored = None

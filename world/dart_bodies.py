@@ -13,9 +13,12 @@ import numpy as np
 
 from ._dart import dartpy
 from .geometry import outline, wall_box
-from .robot import RobotGeometry
+from .robot import CONTROL_PERIOD, RobotGeometry
 from .spec import Box, Cylinder, MovableBox, Polygon, Shape, Wall
 
+SUBSTEPS = 4
+STEP = CONTROL_PERIOD / SUBSTEPS
+"""Seconds of one physics step, so many of which make a control tick."""
 SHELL_LOW, SHELL_HIGH = 0.008, 0.048
 """Heights (m) between which the shell stands."""
 SHELL_FRICTION = 0.2
@@ -24,8 +27,9 @@ TIRE_FRICTION = 0.8
 """What limits the force of the planar model, which has no wheels."""
 CASTER_RADIUS, CASTER_OFFSET = 0.005, 0.028
 WHEEL_MASS = 0.005
-WHEEL_THICKNESS = 1e-6
-"""m; thin, so that the wheels touch the floor a track apart: 10 um turn it 0.06 degrees a turn too far."""
+SINK = 4e-7
+"""How deep (m) a robot's wheels are put into the floor, about as deep as its weight presses them, while its
+casters just touch: wheels that carry little load slip when they start."""
 MASS_HEIGHT = 0.015
 GRAVITY = 9.81
 LIFT = 0.002
@@ -41,6 +45,8 @@ class RobotBody(Protocol):
     """One robot's body in DART."""
 
     skeleton: Any
+    rolling: Sequence[Any]
+    """Its parts that may touch the floor and nothing else."""
 
     def drive(self, left: float, right: float) -> None:
         """Sets the wheels' speeds (rad/s) for the coming tick."""
@@ -56,17 +62,19 @@ class RobotBody(Protocol):
 
 
 class WheelsBody:
-    """Chassis on a free joint, its origin on the axle; shell, two casters, two driven wheels."""
+    """Chassis on a free joint, its origin on the axle; shell, two casters, two driven wheels.
+
+    A wheel is a sphere, which touches the floor in one point, exactly a track from the other. It reaches
+    beyond the shell, so it must be kept from touching anything else (`rolling`).
+    """
 
     def __init__(self, name: str, geometry: RobotGeometry, track: float) -> None:
         """Builds the skeleton; track: true distance (m) of the wheels."""
         self._axle = geometry.wheel_radius
-        self._command = np.zeros(8)
         self.skeleton = dartpy.dynamics.Skeleton(name)
         _, body = self.skeleton.createFreeJointAndBodyNodePair()
         self._add_chassis(body, geometry)
-        for offset in (track / 2, -track / 2):
-            self._add_wheel(body, offset)
+        self.rolling: Sequence[Any] = [self._add_wheel(body, offset) for offset in (track / 2, -track / 2)]
 
     def _add_chassis(self, body: Any, geometry: RobotGeometry) -> None:
         mass, radius, height = geometry.mass - 2 * WHEEL_MASS, geometry.body_radius, SHELL_HIGH - SHELL_LOW
@@ -75,37 +83,37 @@ class WheelsBody:
         middle = (SHELL_LOW + SHELL_HIGH) / 2 - self._axle
         _add_shape(body, dartpy.dynamics.CylinderShape(radius, height), _placed(0, 0, middle), SHELL_FRICTION)
         for offset in (CASTER_OFFSET, -CASTER_OFFSET):
-            place = _placed(offset, 0, CASTER_RADIUS - self._axle)
+            place = _placed(offset, 0, CASTER_RADIUS + SINK - self._axle)
             _add_shape(body, dartpy.dynamics.SphereShape(CASTER_RADIUS), place, 0.0)
 
-    def _add_wheel(self, body: Any, offset: float) -> None:
+    def _add_wheel(self, body: Any, offset: float) -> Any:
         joint, wheel = self.skeleton.createRevoluteJointAndBodyNodePair(body)
         joint.setAxis([0.0, 1.0, 0.0])
         joint.setTransformFromParentBodyNode(_placed(0, offset, 0))
         joint.setActuatorType(dartpy.dynamics.ActuatorType.VELOCITY)
         flat, spin = WHEEL_MASS * self._axle**2 / 4, WHEEL_MASS * self._axle**2 / 2
         _set_inertia(wheel, WHEEL_MASS, (flat, spin, flat), (0.0, 0.0, 0.0))
-        on_axle = _placed(0, 0, 0, [[1, 0, 0], [0, 0, -1], [0, 1, 0]])
-        _add_shape(wheel, dartpy.dynamics.CylinderShape(self._axle, WHEEL_THICKNESS), on_axle, WHEEL_FRICTION)
+        _add_shape(wheel, dartpy.dynamics.SphereShape(self._axle), _placed(0, 0, 0), WHEEL_FRICTION)
+        return wheel
 
     def drive(self, left: float, right: float) -> None:
-        """See `RobotBody.drive`."""
-        self._command[6:] = _limited(left), _limited(right)
-        self.skeleton.setCommands(self._command)
+        """See `RobotBody.drive`. Every tick, as setting velocities changes the commands too."""
+        self.skeleton.setCommand(6, _limited(left))
+        self.skeleton.setCommand(7, _limited(right))
 
     def before_step(self) -> None:
         """Nothing: the commands are kept from step to step."""
 
     def read(self) -> State:
         """See `RobotBody.read`."""
-        turn_x, turn_y, turn_z, x, y, z = self.skeleton.getPositions()[:6].tolist()
+        turn_x, turn_y, turn_z, x, y, z, _, _ = self.skeleton.getPositions().tolist()
         heading, upright = heading_and_tilt(turn_x, turn_y, turn_z)
         return x, y, z - self._axle, heading, upright
 
     def put(self, x: float, y: float, heading: float) -> None:
         """See `RobotBody.put`; the wheels keep their angles."""
         wheels = self.skeleton.getPositions()[6:].tolist()
-        self.skeleton.setPositions([0.0, 0.0, heading, x, y, self._axle, *wheels])
+        self.skeleton.setPositions([0.0, 0.0, heading, x, y, self._axle - SINK, *wheels])
         self.skeleton.setVelocities(np.zeros(8))
 
 
@@ -116,6 +124,8 @@ class PlanarBody:
         """Builds the skeleton; track: true distance (m) of the wheels."""
         self._radius, self._track = geometry.wheel_radius, track
         self._speed = self._turn = 0.0
+        self._command = np.zeros(3)
+        self.rolling: Sequence[Any] = ()
         self.skeleton = dartpy.dynamics.Skeleton(name)
         joint, body = self.skeleton.createPlanarJointAndBodyNodePair()
         joint.setActuatorType(dartpy.dynamics.ActuatorType.SERVO)
@@ -137,9 +147,11 @@ class PlanarBody:
 
     def before_step(self) -> None:
         """Turns the forward speed into the world's frame, at the heading in the middle of the step."""
-        heading = self.skeleton.getPosition(2) + self._turn * self.skeleton.getTimeStep() / 2
-        velocity = (self._speed * math.cos(heading), self._speed * math.sin(heading), self._turn)
-        self.skeleton.setCommands(velocity)
+        heading = self.skeleton.getPosition(2) + self._turn * STEP / 2
+        command = self._command
+        command[0], command[1] = self._speed * math.cos(heading), self._speed * math.sin(heading)
+        command[2] = self._turn
+        self.skeleton.setCommands(command)
 
     def read(self) -> State:
         """See `RobotBody.read`."""
@@ -158,6 +170,7 @@ class MovableBody:
     def __init__(self, name: str, movable: MovableBox) -> None:
         """Builds the skeleton and stands it on the floor."""
         box = movable.box
+        self.reach = math.hypot(box.width, box.depth) / 2
         self._half = box.height / 2
         self.skeleton = dartpy.dynamics.Skeleton(name)
         _, body = self.skeleton.createFreeJointAndBodyNodePair()

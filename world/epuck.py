@@ -8,7 +8,6 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from .geometry import Floats
 from .infrared import TOP, InfraredModel
 from .noise import Noise, streams
 from .robot import CONTROL_PERIOD, STOP, Image, Percept, Pose, RobotGeometry, WheelCommand
@@ -21,8 +20,8 @@ Triple = tuple[float, float, float]
 class Surroundings(Protocol):
     """What a robot needs of its world to sense."""
 
-    def infrared_values(self, index: int, pose: Pose) -> Floats:
-        """Noise-free raw values (8,) of robot `index` at a pose."""
+    def infrared_values(self, index: int, pose: Pose) -> list[float]:
+        """Noise-free raw values of the eight sensors of robot `index` at a pose."""
 
     def infrared_model(self) -> InfraredModel:
         """The response of the infrared sensors."""
@@ -59,7 +58,7 @@ class SimulatedRobot:
             for name in ("infrared", "encoders", "accelerometer", "camera")
         }
         self._direct = all(getattr(sensing, name).ticks(name) == (0, 1) for name in self._lines)
-        self._deviations = world.infrared_model().deviation_table(noise)
+        self._deviation = world.infrared_model().deviation(noise)
         self._infrared_noisy = noise.infrared > 0.0 or noise.infrared_floor > 0.0
         self.radius_factors = _radius_factors(noise, self._random["mismatch"])
         """True over nominal radius of the left and the right wheel in this run."""
@@ -143,11 +142,16 @@ class SimulatedRobot:
 
     def _infrared(self, pose: Pose) -> tuple[float, ...]:
         values = self._world.infrared_values(self._index, pose)
-        if self._infrared_noisy:
-            draws = self._random["infrared"].standard_normal(len(values))
-            values = values + np.interp(values, *self._deviations) * draws
-            values = np.minimum(np.maximum(values, 0.0), TOP)
-        return tuple(values.tolist())
+        if not self._infrared_noisy:
+            return tuple(values)
+        draws = self._random["infrared"].standard_normal(len(values)).tolist()
+        deviation = self._deviation
+        return tuple(
+            [
+                min(max(value + deviation(value) * draw, 0.0), TOP)
+                for value, draw in zip(values, draws, strict=True)
+            ]
+        )
 
     def _acceleration(self, pose: Pose, velocity: tuple[float, float]) -> Triple:
         """The mean over the tick, (x, y, z) m/s^2 in the robot's frame, gravity included."""

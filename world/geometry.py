@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from .spec import Box, Cylinder, Point, Polygon, Shape, Wall
 
 Floats = NDArray[np.float64]
+Edge = tuple[float, float, float, float, float]
+"""Start x, y, way to the end along x, y (m), and its length squared."""
 FACETS = 48
 """Sides of the prism that stands for a cylinder in every sensor; a 5 cm radius is off by 0.1 mm at most."""
 
@@ -81,8 +83,10 @@ class Plan:
     of the shape that each belongs to.
     """
 
-    CELL = 0.15
-    """Side (m) of the squares that `near` sorts the segments into."""
+    CELL = 0.05
+    """Side (m) of the squares that the edges are sorted into; in a first sorting they are 8 times as wide."""
+    REMEMBERED = 20_000
+    """How many squares are remembered before all are forgotten, so that no run grows without end."""
 
     def __init__(self, shapes: Sequence[Shape], min_height: float = 0.0) -> None:
         """Takes in the shapes that are at least `min_height` (m) high."""
@@ -91,9 +95,8 @@ class Plan:
         self.indices = tuple(index for index, _ in kept)
         self.segments = outline_segments(self.outlines)
         self.owners = np.repeat(np.arange(len(kept)), [len(points) for points in self.outlines])
-        self._cells: dict[tuple[int, int, float], NDArray[np.intp]] = {}
-        self._rows: dict[tuple[int, int, float], Floats] = {}
-        self._edges: dict[tuple[int, int, float], list[tuple[float, float, float, float, float]]] = {}
+        self._wide_cells: dict[tuple[int, int, float], NDArray[np.intp]] = {}
+        self._edges: dict[tuple[int, int, float], list[Edge]] = {}
 
     @cached_property
     def bounds(self) -> tuple[float, float, float, float]:
@@ -103,43 +106,28 @@ class Plan:
         xs, ys = self.segments[:, 0::2], self.segments[:, 1::2]
         return float(xs.min()), float(ys.min()), float(xs.max()), float(ys.max())
 
-    def near(self, x: float, y: float, reach: float) -> NDArray[np.intp]:
-        """Indices of at least all segments closer than `reach` (m) to (x, y); remembered by cell."""
-        key = (math.floor(x / self.CELL), math.floor(y / self.CELL), reach)
-        found = self._cells.get(key)
-        if found is None:
-            margin = reach + self.CELL * math.sqrt(0.5)
-            center = (key[0] + 0.5) * self.CELL, (key[1] + 0.5) * self.CELL
-            found = np.flatnonzero(point_segment_distances(*center, self.segments) <= margin)
-            if len(self._cells) > 20000:
-                self._cells.clear()
-            self._cells[key] = found
-        return found
+    def _reached(
+        self, candidates: NDArray[np.intp], column: int, row: int, side: float, reach: float
+    ) -> NDArray[np.intp]:
+        center = (column + 0.5) * side, (row + 0.5) * side
+        distances = point_segment_distances(*center, self.segments[candidates])
+        return candidates[distances <= reach + side * math.sqrt(0.5)]
 
-    def near_segments(self, x: float, y: float, reach: float) -> Floats:
-        """Segments (n, 4) m, at least all those closer than `reach` (m) to (x, y); remembered by cell."""
-        key = (math.floor(x / self.CELL), math.floor(y / self.CELL), reach)
-        rows = self._rows.get(key)
-        if rows is None:
-            rows = self._rows[key] = self.segments[self.near(x, y, reach)]
-            if len(self._rows) > 20000:
-                self._rows = {key: rows}
-        return rows
+    def _near(self, column: int, row: int, reach: float) -> NDArray[np.intp]:
+        """Indices of at least all segments closer than `reach` (m) to any point of a square."""
+        wide = column // 8, row // 8, reach
+        candidates = self._wide_cells.get(wide)
+        if candidates is None:
+            if len(self._wide_cells) >= self.REMEMBERED:
+                self._wide_cells.clear()
+            every = np.arange(len(self.segments))
+            candidates = self._wide_cells[wide] = self._reached(every, *wide[:2], 8 * self.CELL, reach)
+        return self._reached(candidates, column, row, self.CELL, reach)
 
     def gaps(self, x: float, y: float, radius: float) -> list[tuple[float, float, float]]:
         """Edges nearer than `radius` (m) to a point: (distance, nx, ny), n the unit vector away from each."""
-        key = (math.floor(x / self.CELL), math.floor(y / self.CELL), radius)
-        edges = self._edges.get(key)
-        if edges is None:
-            rows = self.segments[self.near(x, y, radius)]
-            edges = self._edges[key] = [
-                (x0, y0, x1 - x0, y1 - y0, max((x1 - x0) ** 2 + (y1 - y0) ** 2, 1e-30))
-                for x0, y0, x1, y1 in rows.tolist()
-            ]
-            if len(self._edges) > 20000:
-                self._edges = {key: edges}
         found = []
-        for x0, y0, along_x, along_y, length2 in edges:
+        for x0, y0, along_x, along_y, length2 in self.edges_near(x, y, radius):
             share = ((x - x0) * along_x + (y - y0) * along_y) / length2
             share = 0.0 if share < 0.0 else 1.0 if share > 1.0 else share
             away_x, away_y = x - x0 - share * along_x, y - y0 - share * along_y
@@ -148,6 +136,17 @@ class Plan:
                 scale = 1.0 / distance if distance > 0.0 else 0.0
                 found.append((distance, away_x * scale, away_y * scale))
         return found
+
+    def edges_near(self, x: float, y: float, radius: float) -> list[Edge]:
+        """At least all edges nearer than `radius` (m) to a point; remembered by square."""
+        column, row = math.floor(x / self.CELL), math.floor(y / self.CELL)
+        key = column, row, radius
+        edges = self._edges.get(key)
+        if edges is None:
+            if len(self._edges) >= self.REMEMBERED:
+                self._edges.clear()
+            edges = self._edges[key] = edges_of(self.segments[self._near(column, row, radius)])
+        return edges
 
     def contains(self, x: float, y: float) -> bool:
         """Whether a point is inside any of the shapes (on an edge either answer is right)."""
@@ -164,6 +163,34 @@ class Plan:
             return math.inf
         distance = float(point_segment_distances(x, y, self.segments).min())
         return -distance if self.contains(x, y) else distance
+
+
+def edges_of(segments: Floats) -> list[Edge]:
+    """Segments (n, 4) m as edges."""
+    return [
+        (x0, y0, x1 - x0, y1 - y0, max((x1 - x0) ** 2 + (y1 - y0) ** 2, 1e-30))
+        for x0, y0, x1, y1 in segments.tolist()
+    ]
+
+
+class Clearing:
+    """A disk around a moving point that no edge of a plan reaches into: inside it nothing need be asked."""
+
+    def __init__(self, plan: Plan, reach: float, look_ahead: float) -> None:
+        """reach: how near (m) an edge counts; look_ahead: how far (m) beyond it is looked at most."""
+        self._plan, self._reach, self._look_ahead = plan, reach, look_ahead
+        self._x = self._y = self._room = 0.0
+
+    def holds(self, x: float, y: float) -> bool:
+        """Whether it is known from before that no edge is within reach of (x, y) m."""
+        return (x - self._x) ** 2 + (y - self._y) ** 2 < self._room
+
+    def renew(self, x: float, y: float) -> bool:
+        """Measures anew, around (x, y) m; whether no edge is within reach there."""
+        gaps = self._plan.gaps(x, y, self._reach + self._look_ahead)
+        room = min(gaps)[0] - self._reach if gaps else self._look_ahead
+        self._x, self._y, self._room = x, y, room * room if room > 0.0 else 0.0
+        return room >= 0.0
 
 
 def point_segment_distances(x: float, y: float, segments: Floats) -> Floats:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
+from collections.abc import Callable, Iterable, Sequence
+from itertools import pairwise
 
 import numpy as np
 
-from .geometry import Floats
+from .geometry import Edge, Floats
 from .noise import Noise
 from .robot import Pose, RobotGeometry
 
@@ -16,6 +19,9 @@ FLOOR = 10.0
 """Raw value where nothing is in range."""
 TOP = 4095.0
 """Largest raw value."""
+RECESS = 0.005
+"""How far (m) behind the rim an edge still stops a ray, at distance 0: a shell pressed at a wall by a hair
+has its sensors in it, and they must not look through to the far side."""
 _END = 1e-9
 """How far beyond its ends, as a share of its length, an edge still stops a ray: corners have no slits."""
 
@@ -31,18 +37,37 @@ class InfraredModel:
         self.rays = rays
         self.count = len(mounts)
         self.height = geometry.infrared_height
+        self.range = geometry.infrared_range
         self.reach = geometry.body_radius + geometry.infrared_range
-        self._origins = (
+        self.dark = [FLOOR] * self.count
+        self._origins: Floats = (
             np.repeat(np.stack((np.cos(mounts), np.sin(mounts)), 1), rays, 0) * geometry.body_radius
         )
-        self._directions = np.stack((np.cos(angles), np.sin(angles)), 1)
-        self._both = np.concatenate((self._directions, self._origins))
-        self._offset = _cross(self._origins, self._directions)[:, None]
-        self._nothing = np.full(self.count * rays, np.inf)
-        self._dark = np.full(self.count, FLOOR)
-        table = np.array(geometry.infrared_response)
-        self._distances, self._values = table[:, 0].copy(), table[:, 1].copy()
-        self._relative = table[:, 2].copy()
+        self._directions: Floats = np.stack((np.cos(angles), np.sin(angles)), 1)
+        self._sensors = self._by_sensor()
+        self._nothing = [self.range] * (self.count * rays)
+        columns = zip(*geometry.infrared_response, strict=True)
+        self._distances, self._values, self._relative = (list[float](column) for column in columns)
+        self._slopes: list[float] = [
+            (value - before) / (far - near)
+            for (near, far), (before, value) in zip(
+                pairwise(self._distances), pairwise(self._values), strict=True
+            )
+        ]
+
+    def _by_sensor(self) -> list[tuple[float, float, list[tuple[int, float, float, float]]]]:
+        """For each sensor its place, and for each of its rays: number, direction, cross product of both."""
+        offsets = self._origins[:, 0] * self._directions[:, 1] - self._origins[:, 1] * self._directions[:, 0]
+        rays = [
+            (number, x, y, offset)
+            for number, ((x, y), offset) in enumerate(
+                zip(self._directions.tolist(), offsets.tolist(), strict=True)
+            )
+        ]
+        return [
+            (*self._origins[first].tolist(), rays[first : first + self.rays])
+            for first in range(0, len(rays), self.rays)
+        ]
 
     def world_rays(self, pose: Pose) -> tuple[Floats, Floats]:
         """Origins and unit directions (sensors * rays, 2) in the world frame; rays of one sensor together."""
@@ -50,54 +75,91 @@ class InfraredModel:
         turn = np.array(((cosine, sine), (-sine, cosine)))
         return self._origins @ turn + np.array((pose.x, pose.y)), self._directions @ turn
 
-    def distances(self, pose: Pose, segments: Floats) -> Floats:
-        """Distances (sensors * rays,) m along the rays to segments (n, 4) m, world frame; inf: none.
+    def read(self, pose: Pose, edges: Iterable[Edge]) -> list[float]:
+        """Noise-free raw values, one a sensor, at a pose among edges, at least all those in reach."""
+        distances = self.distances(pose, edges)
+        return self.dark if distances is self._nothing else self.values(distances)
 
-        The segments are brought into the robot's frame, where the rays never change.
+    def distances(self, pose: Pose, edges: Iterable[Edge]) -> list[float]:
+        """Distances (m) from the rim, sensors * rays of them, along the rays to the edges; at most the range.
+
+        The few edges in reach are brought into the robot's frame, where the rays never change. In plain
+        Python, since calls of numpy for so few numbers cost more than they save.
         """
-        count = len(segments)
-        if not count:
-            return self._nothing
         cosine, sine = math.cos(pose.heading), math.sin(pose.heading)
-        start_x, start_y = segments[:, 0] - pose.x, segments[:, 1] - pose.y
-        along_x, along_y = segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1]
-        # rows (y, -x) of each vector in the robot's frame, so that a product with a ray is a cross product
-        edges = np.empty((2, 2 * count))
-        edges[0, :count] = cosine * along_y - sine * along_x
-        edges[1, :count] = -cosine * along_x - sine * along_y
-        edges[0, count:] = cosine * start_y - sine * start_x
-        edges[1, count:] = -cosine * start_x - sine * start_y
-        products = self._both @ edges
-        rays = len(self._directions)
-        start_cross_along = start_x * along_y - start_y * along_x
-        with np.errstate(divide="ignore", invalid="ignore"):
-            inverse = 1.0 / products[:rays, :count]
-            distance = (start_cross_along - products[rays:, :count]) * inverse
-            share = (-products[:rays, count:] - self._offset) * inverse
-            hit = (distance >= 0.0) & (share >= -_END) & (share <= 1.0 + _END)
-        distance[~hit] = np.inf
-        nearest: Floats = distance.min(axis=1)
-        return nearest
+        reach2, range2 = self.reach**2, self.range**2
+        found = self._nothing
+        for x0, y0, along_x, along_y, length2 in edges:
+            start_x, start_y = x0 - pose.x, y0 - pose.y
+            share = -(start_x * along_x + start_y * along_y) / length2
+            share = 0.0 if share < 0.0 else 1.0 if share > 1.0 else share
+            if (start_x + share * along_x) ** 2 + (start_y + share * along_y) ** 2 >= reach2:
+                continue
+            if found is self._nothing:
+                found = found.copy()
+            x, y = cosine * start_x + sine * start_y, cosine * start_y - sine * start_x
+            ahead, left = cosine * along_x + sine * along_y, cosine * along_y - sine * along_x
+            start_cross_along, too_far = x * left - y * ahead, range2 * length2
+            for mount_x, mount_y, rays in self._sensors:
+                # the sensor's distance from the edge's line, times the edge's length
+                across = start_cross_along - mount_x * left + mount_y * ahead
+                if across * across > too_far:
+                    continue
+                for number, ray_x, ray_y, offset in rays:
+                    ray_cross_along = ray_x * left - ray_y * ahead
+                    if ray_cross_along == 0.0:
+                        continue
+                    distance = across / ray_cross_along
+                    if (
+                        -RECESS <= distance < found[number]
+                        and -_END <= (x * ray_y - y * ray_x - offset) / ray_cross_along <= 1.0 + _END
+                    ):
+                        found[number] = distance
+        return found
 
-    def values(self, distances: Floats) -> Floats:
-        """Noise-free raw values (sensors,) for distances (sensors * rays,) m."""
-        response = np.interp(distances, self._distances, self._values, right=FLOOR)
-        means: Floats = response.reshape(self.count, self.rays).sum(axis=1) / self.rays
+    def values(self, distances: Sequence[float]) -> list[float]:
+        """Noise-free raw values, one a sensor, for distances (m), sensors * rays of them."""
+        table, values, slopes, limit, rays = (
+            self._distances,
+            self._values,
+            self._slopes,
+            self.range,
+            self.rays,
+        )
+        means = []
+        for first in range(0, len(distances), rays):
+            total = 0.0
+            for distance in distances[first : first + rays]:
+                if distance >= limit:
+                    total += FLOOR
+                elif distance <= 0.0:
+                    total += values[0]
+                else:
+                    row = bisect_right(table, distance) - 1
+                    total += values[row] + slopes[row] * (distance - table[row])
+            means.append(total / rays)
         return means
 
-    def read(self, pose: Pose, segments: Floats) -> Floats:
-        """Noise-free raw values (sensors,) at a pose among segments (n, 4) m, at least all in reach."""
-        return self.values(self.distances(pose, segments)) if len(segments) else self._dark
+    def deviation(self, noise: Noise) -> Callable[[float], float]:
+        """The standard deviation of the noise at a raw value, linear between the rows of the response."""
+        values: list[float] = [FLOOR, *reversed(self._values)]
+        deviations = [
+            noise.infrared_floor,
+            *(
+                value * relative * noise.infrared
+                for value, relative in zip(reversed(self._values), reversed(self._relative), strict=True)
+            ),
+        ]
+        slopes: list[float] = [
+            (high - low) / (above - below)
+            for (below, above), (low, high) in zip(pairwise(values), pairwise(deviations), strict=True)
+        ]
+        last = len(slopes) - 1
 
-    def deviation_table(self, noise: Noise) -> tuple[Floats, Floats]:
-        """Raw values, rising, and the standard deviation of the noise at each."""
-        values = np.concatenate(((FLOOR,), self._values[::-1]))
-        deviations = np.concatenate(
-            ((noise.infrared_floor,), (self._values * self._relative)[::-1] * noise.infrared)
-        )
-        return values, deviations
+        def at(value: float) -> float:
+            if value <= FLOOR:
+                return deviations[0]
+            index = min(bisect_right(values, value) - 1, last)
+            return deviations[index] + slopes[index] * (value - values[index])
 
-
-def _cross(a: Floats, b: Floats) -> Floats:
-    result: Floats = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-    return result
+        return at

@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-import numpy as np
-
-from .geometry import Floats, Plan, disk, outline_segments, rectangle
+from .geometry import Edge, Plan, disk, edges_of, outline_segments, rectangle
 from .infrared import InfraredModel
 from .robot import Pose, RobotGeometry
 from .spec import Cylinder, MovableBox, Point, Polygon, Shape, Surface
@@ -49,16 +47,10 @@ class Moving:
             outlines.append(corners)
         return shapes, outlines
 
-    def add_near(
-        self,
-        near: Floats,
-        own: int,
-        pose: Pose,
-        robots: Sequence[Pose],
-        boxes: Sequence[Pose],
-        infrared: InfraredModel,
-    ) -> Floats:
-        """The segments (n, 4) m of `near` and those of moving bodies that infrared can reach from `pose`."""
+    def edges_near(
+        self, own: int, pose: Pose, robots: Sequence[Pose], boxes: Sequence[Pose], infrared: InfraredModel
+    ) -> list[Edge]:
+        """The edges of moving bodies that infrared can reach from `pose`."""
         found = [
             disk(there.x, there.y, self._radius, _FACETS)
             for index, there in enumerate(robots)
@@ -70,7 +62,7 @@ class Moving:
             if pose.distance_to(there) < infrared.reach + self._reaches[index]
             and self._movable[index].box.height >= infrared.height
         ]
-        return np.concatenate((near, outline_segments(found))) if found else near
+        return edges_of(outline_segments(found)) if found else []
 
     def gaps(
         self, x: float, y: float, reach: float, own: int, robots: Sequence[Pose], boxes: Sequence[Pose]

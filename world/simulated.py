@@ -12,7 +12,7 @@ from typing import Any
 
 from .base import PlacementError, SimulationError, WorldError
 from .epuck import SimulatedRobot
-from .geometry import Floats, Plan
+from .geometry import Clearing, Plan
 from .infrared import InfraredModel
 from .moving import Moving
 from .noise import Noise
@@ -23,6 +23,8 @@ from .views import Views
 
 TOUCH = 5e-5
 """The shell counts as touching below this distance (m)."""
+LOOK_AHEAD = 0.03
+"""How far (m) beyond its shell the walls around a robot are looked at, so that not every tick need do it."""
 STATE_VERSION = 1
 FAR_AWAY = 1e4
 """Coordinates (m) beyond which a run is given up, and where nothing can be placed."""
@@ -60,6 +62,8 @@ class SimulatedWorld(ABC):
             if lowest >= self._infrared.height
             else Plan(spec.shapes, min_height=self._infrared.height)
         )
+        touch = geometry.body_radius + TOUCH
+        self._clearings = [Clearing(self._plan, touch, LOOK_AHEAD) for _ in starts]
         self._tick = 0
         self._open = True
         self._poses = list(starts)
@@ -158,12 +162,14 @@ class SimulatedWorld(ABC):
         """See `base.World.close`."""
         self._open = False
 
-    def infrared_values(self, index: int, pose: Pose) -> Floats:
-        """Noise-free raw values (8,) of one robot's sensors at a pose."""
-        near = self._seen.near_segments(pose.x, pose.y, self._infrared.reach)
+    def infrared_values(self, index: int, pose: Pose) -> list[float]:
+        """Noise-free raw values of one robot's eight sensors at a pose."""
+        edges = self._seen.edges_near(pose.x, pose.y, self._infrared.reach)
         if self._moving.count > 1:
-            near = self._moving.add_near(near, index, pose, self._poses, self._movable_poses, self._infrared)
-        return self._infrared.read(pose, near)
+            edges = edges + self._moving.edges_near(
+                index, pose, self._poses, self._movable_poses, self._infrared
+            )
+        return self._infrared.read(pose, edges)
 
     def infrared_model(self) -> InfraredModel:
         """The response of the infrared sensors."""
@@ -174,11 +180,12 @@ class SimulatedWorld(ABC):
         return self._views.render(index, pose, self._poses, self._movable_poses, width, height)
 
     def _touching(self, pose: Pose, index: int) -> bool:
-        reach = self.geometry.body_radius + TOUCH
-        if self._plan.gaps(pose.x, pose.y, reach):
+        clearing = self._clearings[index]
+        if not (clearing.holds(pose.x, pose.y) or clearing.renew(pose.x, pose.y)):
             return True
         if self._moving.count == 1:
             return False
+        reach = self.geometry.body_radius + TOUCH
         return bool(self._moving.gaps(pose.x, pose.y, reach, index, self._poses, self._movable_poses))
 
     def _checked(self, pose: Pose, index: int) -> Pose:

@@ -58,8 +58,19 @@ def test_an_arc_follows_the_circle(model: str) -> None:
     world = opened(OPEN, model)
     start = world.true_pose()
     end, wanted = run(world, 300, 400, 400), ideal(start, 300, 400, 400)
-    assert end.distance_to(wanted) < 2.5e-3
-    assert abs(wrap_angle(end.heading - wanted.heading)) < 6e-3
+    # physics goes in the direction of the end of each step of 8 ms: off by the way driven in one, once
+    assert end.distance_to(wanted) < 0.4e-3
+    assert abs(wrap_angle(end.heading - wanted.heading)) < 1e-5
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("speeds", [(231, 235), (300, 400), (-99, 101), (200, 220)])
+def test_a_robot_just_placed_has_grip_from_the_first_step_on(model: str, speeds: tuple[int, int]) -> None:
+    world = opened(OPEN, model)
+    world.place(Pose(2.0, 3.0, 0.3))
+    end, wanted = run(world, *speeds, 10), ideal(Pose(2.0, 3.0, 0.3), *speeds, 10)
+    assert math.degrees(abs(wrap_angle(end.heading - wanted.heading))) < 1e-3
+    assert end.distance_to(wanted) < 0.4e-3
 
 
 @pytest.mark.parametrize("model", MODELS)

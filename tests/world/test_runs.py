@@ -55,6 +55,22 @@ def test_restoring_a_state_repeats_the_run_to_the_bit(options: dict[str, Any]) -
 
 
 @pytest.mark.parametrize("options", ENGINES)
+def test_a_robot_that_was_rolling_stops_the_same_way_after_restoring(options: dict[str, Any]) -> None:
+    states = []
+    world = open_world("env1", seed=4, **options)
+    world.robots[0].act(WheelCommand(230, 235))
+    world.step()
+    saved = json.loads(json.dumps(world.state()))
+    for again in (world, open_world("env1", seed=99, **options)):
+        if again is not world:
+            again.restore(saved)
+        again.robots[0].act(WheelCommand(0, 0))
+        again.step()
+        states.append(again.state())
+    assert states[0] == states[1]
+
+
+@pytest.mark.parametrize("options", ENGINES)
 def test_several_robots_and_boxes_repeat_to_the_bit(options: dict[str, Any]) -> None:
     spec = WorldSpec(
         "crowd",
@@ -210,15 +226,15 @@ def test_only_the_shapes_near_a_body_are_in_the_physics() -> None:
     from tolman.world.dart import DartWorld
 
     boxes = tuple(Box(0.4 * i, 0.4 * j, 0.1, 0.1) for i in range(30) for j in range(30))
-    world = open_world(WorldSpec("many", boxes), noise="none", start=Pose(0.2, 0.2, 0.0))
+    world = open_world(WorldSpec("many", boxes), noise="none", start=Pose(0.2, 0.11, 0.0))
     assert isinstance(world, DartWorld)
-    seen = set()
+    seen: set[int] = set()
     for _ in range(400):
         world.robots[0].act(WheelCommand(800, 800))
         world.step()
-        assert len(world.nearby.kept) <= 8
+        assert len(world.nearby.kept) <= 2
         seen.update(world.nearby.kept)
-    assert len(seen) > 6
+    assert len(seen) > 2
     assert world.true_pose().x > 1.0
 
 

@@ -67,7 +67,7 @@ def test_infrared_reads_the_published_response_in_front_of_a_wall(
     """Sensor ps5 looks straight to the left; the aperture's outer rays are a little longer."""
     model = InfraredModel(EPUCK)
     pose = Pose(1.0, 2.0 - EPUCK.body_radius - distance, 0.0)
-    read = model.read(pose, Plan(SQUARE.shapes).segments)
+    read = model.read(pose, Plan(SQUARE.shapes).edges_near(pose.x, pose.y, model.reach))
     assert read[5] == pytest.approx(value, rel=0.02 if distance < 0.07 else 0.9)
     assert read[2] == FLOOR
 
@@ -77,8 +77,17 @@ def test_infrared_rays_agree_with_the_general_caster() -> None:
     random = np.random.default_rng(3)
     for x, y, heading in random.uniform((0.0, 0.0, -3.0), (1.0, 1.0, 3.0), (60, 3)).tolist():
         pose = Pose(x, y, heading)
-        general = cast(*model.world_rays(pose), plan.segments)
-        assert np.allclose(model.distances(pose, plan.segments), general, atol=1e-9)
+        if plan.clearance(x, y) > EPUCK.body_radius:
+            general = cast(*model.world_rays(pose), plan.segments)
+            found = model.distances(pose, plan.edges_near(x, y, model.reach))
+            assert np.allclose(found, np.minimum(general, model.range), atol=1e-9)
+
+
+def test_sensors_pressed_into_a_wall_by_a_hair_do_not_look_through_it() -> None:
+    model = InfraredModel(EPUCK)
+    pose = Pose(1.0, 2.0 - EPUCK.body_radius + 1e-4, 0.0)
+    read = model.read(pose, Plan(SQUARE.shapes).edges_near(pose.x, pose.y, model.reach))
+    assert read[5] > 4000
 
 
 def test_infrared_ignores_what_is_lower_than_its_rays() -> None:
