@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from ..maps.errors import MapError
 from ..world.robot import Percept, Pose
 from .events import BehaviorFinished, Lost, NodePassed, NodeReached
-from .goals import Follow, GoThrough, Leg, LegDriven
+from .goals import Follow, GoThrough, Leg, LegDriven, PlacesDriven
 from .thesis_goals import LookAround
 
 if TYPE_CHECKING:
@@ -200,9 +200,13 @@ class ThesisNavigator:
             elif phase is Driving.FACE:
                 self._arrived()
         elif event.behavior == "local-go-to" and phase is Driving.CENTER:
-            # Where an obstacle bars the way to the middle it goes on from where it stands.
-            self.on_corrected(self.corrections[-1])
-            self._next()
+            if event.succeeded or not isinstance(event.result, PlacesDriven):
+                self.on_corrected(self.corrections[-1])
+                self._next()
+            else:
+                # An obstacle bars the way to the middle: it turns to the entry heading where it stands.
+                pose = event.result.pose
+                self.agent.start("local-go-to", GoThrough((), (pose.x, pose.y, pose.heading), 0.0))
 
     def _give_up(self, reason: str) -> None:
         self.agent.stop("reactive-wall-following")

@@ -67,6 +67,18 @@ def test_a_distance_that_is_never_reached_is_given_up() -> None:
     assert "3.00 m away from node 0" in navigator.reason
 
 
+def test_where_the_way_to_the_middle_is_barred_it_faces_the_entry_heading_all_the_same() -> None:
+    navigator, world = trip(0.1, ThesisNavigationConfig(correct=True))
+    # The map says that it stands to the left of the node: the wall on its right is in the way.
+    places = np.array([[0.0, 0.06], [0.0, 0.06]])
+    navigator.map.graph.nodes[1]["local_map"] = LocalMap.build(places, places, np.zeros((2, 4, 16, 16)))
+    navigator.go(1)
+    run(navigator, world)
+    assert navigator.reached
+    assert world.true_pose().y > 0.04
+    assert abs(wrap_angle(world.true_pose().heading)) < 0.1
+
+
 def test_the_place_of_the_best_unit_is_taken_for_its_own_and_it_drives_to_the_middle() -> None:
     navigator, world = trip(0.1, ThesisNavigationConfig(correct=True))
     # Whatever it sees, the map says that it is 2 cm short of the node.
