@@ -49,8 +49,15 @@ TARGETS = {
             ["-c", "from importlinter.cli import lint_imports_command; lint_imports_command()"],
         ],
     ),
-    "bench": ("test", [["-m", "tolman.scripts.bench_tick"], ["-m", "tolman.scripts.bench_maps"]]),
-    "torture": ("", [["-m", "tolman.scripts.torture", "all"]]),
+    "bench": (
+        "bench",
+        [
+            ["-m", "benchmarks.bench"],
+            ["-m", "tolman.scripts.bench_tick"],
+            ["-m", "tolman.scripts.bench_maps"],
+        ],
+    ),
+    "torture": ("", [["-m", "tolman.scripts.torture_worlds"], ["-m", "tolman.scripts.torture", "all"]]),
     "format": ("dev", [["-m", "ruff", "check", "--fix", "."], ["-m", "ruff", "format", "."]]),
 }
 """Target -> (the extra of pyproject.toml it needs, the arguments of each Python process to run in turn)."""
