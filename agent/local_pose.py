@@ -4,24 +4,32 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Self
 
 from ..world.robot import Pose, wrap_angle
+from .local_goals import LocalBelief, lookout_of
 from .wall_scan import SeenWall
 
 _GATE = 16.0
 """Squared standard deviations beyond which a correction is refused."""
+_DOUBT, _DOUBT_PLACE = math.radians(4.0), 0.009
+"""Standard deviations of the heading (rad) and the place (m) beyond which a pose is doubtful."""
 _FOOT = 0.001
 """Standard deviation (m) of the distance to a wall swept over."""
 
 
 @dataclass(slots=True)
 class Landmark:
-    """A wall kept: normal (rad) and offset (m) of its line in the local frame, with their variances."""
+    """A wall kept: normal (rad) and offset (m) of its line in the local frame, with their variances.
+
+    lookout: x, y (m) from where it can be seen, foot and all.
+    """
 
     normal: float
     offset: float
     normal_variance: float
     offset_variance: float
+    lookout: tuple[float, float]
 
 
 class LocalPose:
@@ -38,14 +46,14 @@ class LocalPose:
     drift = 0.05
 
     def __init__(self, heading: float = 0.0, square: bool = False) -> None:
-        """At the origin, well known."""
+        """At the origin, well known, with the heading of a wall just followed."""
         self.x = self.y = 0.0
         self.heading = heading
         self.square = square
         self.landmarks: list[Landmark] = []
         self._xx = self._yy = 1e-6
         self._xy = self._xt = self._yt = 0.0
-        self._tt = 1e-5
+        self._tt = 4e-5
 
     @property
     def pose(self) -> Pose:
@@ -61,6 +69,11 @@ class LocalPose:
     def place_deviation(self) -> float:
         """Standard deviation of the place (m), in its worse direction at most."""
         return math.sqrt(self._xx + self._yy)
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether it has become so uncertain that walls should be looked for."""
+        return self._tt > _DOUBT**2 or self.place_deviation > _DOUBT_PLACE
 
     def move(self, distance: float, turn: float) -> None:
         """One tick of path integration (m, rad)."""
@@ -78,9 +91,48 @@ class LocalPose:
         self._yt = yt + dx * tt
         self._tt = tt + self.turn_noise**2 * abs(turn) + self.drift**2 * abs(distance)
 
-    def know(self, normal: float, distance: float, deviation: float) -> None:
+    def know(
+        self, normal: float, distance: float, deviation: float, lookout: tuple[float, float] = (0.0, 0.0)
+    ) -> None:
         """Tells a wall known beforehand: normal (rad, local frame), its distance (m) from the origin."""
-        self.landmarks.append(Landmark(normal, distance, deviation**2, 0.001**2))
+        self.landmarks.append(Landmark(normal, distance, deviation**2, 0.001**2, lookout))
+
+    def know_corner(self, kind: str, walls: tuple[tuple[float, float, float], ...]) -> None:
+        """Tells the walls of a corner of that kind, as `local_goals.walls_at` gives them."""
+        for index, wall in enumerate(walls):
+            self.know(*wall, lookout_of(kind, walls, index))
+
+    def lookouts(self) -> list[Landmark]:
+        """Walls of two directions, with lookouts as near to the origin as there are any.
+
+        The nearest comes last, so that a tour of them ends well.
+        """
+        chosen: list[Landmark] = []
+        for mark in sorted(self.landmarks, key=lambda mark: math.hypot(*mark.lookout)):
+            if all(abs(math.sin(mark.normal - other.normal)) > 0.7 for other in chosen):
+                chosen.append(mark)
+        return chosen[::-1]
+
+    def belief(self) -> LocalBelief:
+        """All that is held, as plain data."""
+        return LocalBelief(
+            (self.x, self.y, self.heading),
+            (self._xx, self._xy, self._xt, self._yy, self._yt, self._tt),
+            tuple(
+                (mark.normal, mark.offset, mark.normal_variance, mark.offset_variance, *mark.lookout)
+                for mark in self.landmarks
+            ),
+            self.square,
+        )
+
+    @classmethod
+    def of(cls, belief: LocalBelief) -> Self:
+        """The pose of a `belief`."""
+        pose = cls(belief.pose[2], belief.square)
+        pose.x, pose.y = belief.pose[:2]
+        pose._xx, pose._xy, pose._xt, pose._yy, pose._yt, pose._tt = belief.covariance
+        pose.landmarks = [Landmark(*wall[:4], wall[4:]) for wall in belief.walls]
+        return pose
 
     def see(self, wall: SeenWall) -> bool:
         """Corrects the pose by a wall seen from here (normal in the local frame); True if it was known.
@@ -98,6 +150,8 @@ class LocalPose:
         cosine, sine = math.cos(mark.normal), math.sin(mark.normal)
         offset = self.x * cosine + self.y * sine + wall.distance
         self._update((cosine, sine, 0.0), mark.offset - offset, mark.offset_variance + _FOOT**2)
+        if known and math.hypot(self.x, self.y) < math.hypot(*mark.lookout):
+            mark.lookout = (self.x, self.y)
         return known
 
     def turn_by_compass(self, error: float, variance: float) -> None:
@@ -128,7 +182,8 @@ class LocalPose:
             normal_variance = 0.005**2
         cosine, sine = math.cos(normal), math.sin(normal)
         offset = self.x * cosine + self.y * sine + wall.distance
-        mark = Landmark(normal, offset, normal_variance, self._along(cosine, sine) + _FOOT**2)
+        along = self._along(cosine, sine)
+        mark = Landmark(normal, offset, normal_variance, along + _FOOT**2, (self.x, self.y))
         self.landmarks.append(mark)
         return mark if self.square else None
 

@@ -28,6 +28,7 @@ from .events import (
     WallMet,
 )
 from .goals import ExploreLocally, Follow, FollowFrom, LocalSamples, ReturnToCorner
+from .local_goals import walls_at
 from .loop_closing import Circuit, Finding, Met
 
 if TYPE_CHECKING:
@@ -219,16 +220,13 @@ class Mapper:
     def _exploration(self, strategy: str) -> ExploreLocally:
         """What to explore, and what is known already: the wall it came along and, if square, the next."""
         assert self._corner is not None
-        side = -0.5 * math.pi if self.config.side == "right" else 0.5 * math.pi
-        walls = [(side, self.config.wall_distance, 0.005)]
+        distance = self.config.wall_distance
         square = self.trace.is_right_angled or len(self.trace.corners) < 3
-        if square:
-            ahead = 0.0 if self._corner.kind == "concave" else math.pi
-            walls.append((ahead, self.config.wall_distance, 0.008))
+        walls = walls_at(self.config.side, self._corner.kind, square=square, distance=distance)
         heading = wrap_angle(self.agent.odometry.heading - self._corner.heading)
-        edge = (-self.config.wall_distance, math.copysign(self.config.wall_distance, side))
+        edge = (-distance, -distance if self.config.side == "right" else distance)
         points = (edge,) if self._corner.kind == "convex" else ()
-        return ExploreLocally(strategy, heading, tuple(walls), square, self._corner.kind, points)
+        return ExploreLocally(strategy, heading, walls, square, self._corner.kind, points)
 
     def _add_arc(self, source: int, target: int, distance: float) -> None:
         side = self.config.side

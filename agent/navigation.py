@@ -1,4 +1,4 @@
-"""Navigation in a mapped environment: from node to node, and within a node's local map (section 3.5)."""
+"""Navigation in a mapped environment, from node to node (section 3.5); `local_navigation` goes on there."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from ..maps.errors import MapError
-from ..world.robot import Pose, wrap_angle
+from ..world.robot import wrap_angle
 from .calibration import MismatchLearner
 from .events import BehaviorFinished, Lost, NodeReached
-from .goals import FollowFrom, GoAlong, GoThrough, Leg, LegDriven
+from .goals import FollowFrom, GoAlong, Leg, LegDriven
 
 if TYPE_CHECKING:
     from ..maps.hybrid_map import Arc, HybridMap
@@ -129,78 +129,6 @@ class Navigator:
         else:
             self.agent.bus.publish(Lost(time=event.time, reason=event.reason))
         self._end(event.succeeded, event.reason)
-
-    def _end(self, reached: bool, reason: str) -> None:
-        self.done, self.reached, self.reason = True, reached, reason
-
-
-class LocalNavigator:
-    """Takes the robot through a node's local map, from unit to unit of its metric SOM, by `local-go-to`.
-
-    pose: where it holds the robot to be in the local frame; it begins in the transition pose. An edge on
-    which an obstacle is met is remembered as blocked in the map, and another way is looked for.
-    """
-
-    def __init__(self, agent: Agent, hybrid_map: HybridMap, node: int) -> None:
-        """Raises: MapError if the node has no local map."""
-        local_map = hybrid_map.local_map(node)
-        if local_map is None:
-            raise MapError(f"node {node} has no local map to navigate in")
-        self.agent = agent
-        self.local_map = local_map
-        self.pose = Pose()
-        self.unit = local_map.nearest_unit(0.0, 0.0)
-        self.done = True
-        self.reached = False
-        self.reason = ""
-        self._units: list[int] = []
-        self._goal = self.unit
-        self._home = False
-        agent.bus.subscribe(BehaviorFinished, self._on_finished)
-
-    def go(self, unit: int) -> None:
-        """Sets out for a unit of the metric SOM, by A* over the edges not known to be blocked."""
-        self.done = self.reached = False
-        self._goal, self._home = unit, False
-        self._plan()
-
-    def home(self) -> None:
-        """Sets out for the node itself, to end in the transition pose."""
-        self.done = self.reached = False
-        self._goal, self._home = self.local_map.nearest_unit(0.0, 0.0), True
-        self._plan()
-
-    def _plan(self) -> None:
-        try:
-            path = self.local_map.path(self.unit, self._goal)
-        except MapError as error:
-            self._end(False, str(error))
-            return
-        self._units = list(path)
-        places = [self.local_map.position(unit) for unit in path]
-        if self._home:
-            places.append((0.0, 0.0))
-        start = (self.pose.x, self.pose.y, self.pose.heading)
-        heading = 0.0 if self._home else None
-        self.agent.start("local-go-to", GoThrough(tuple(places), start, heading))
-
-    def _on_finished(self, event: BehaviorFinished) -> None:
-        if event.behavior != "local-go-to" or self.done:
-            return
-        result = event.result
-        self.pose = result.pose
-        reached = result.reached
-        if event.succeeded:
-            self.unit = self._units[-1] if self._units else self.unit
-            self._end(True, event.reason)
-            return
-        before = self._units[reached - 1] if reached else self.unit
-        if reached < len(self._units) and self._units[reached] != before:
-            self.unit = before
-            self.local_map.block(before, self._units[reached])
-            self._plan()
-        else:
-            self._end(False, event.reason)
 
     def _end(self, reached: bool, reason: str) -> None:
         self.done, self.reached, self.reason = True, reached, reason

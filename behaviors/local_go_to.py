@@ -1,4 +1,4 @@
-"""Local navigation: drives from place to place in a local map by path integration (section 3.5.3)."""
+"""Local navigation: drives from place to place in a local map (section 3.5.3), its pose kept by the walls."""
 
 from __future__ import annotations
 
@@ -9,16 +9,24 @@ from typing import Any
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
 from ..agent.goals import GoThrough, PlacesDriven
+from ..agent.local_fix import ROCK, LocalFix
+from ..agent.local_goals import GoByWalls, PlacesByWalls
+from ..agent.local_pose import LocalPose
 from ..agent.motion import drive_command, is_free, obstacles, spin_command
-from ..world.robot import STOP, Percept, Pose, WheelCommand, wrap_angle
+from ..world.robot import STOP, Percept, Pose, RobotGeometry, WheelCommand, wrap_angle
 
 
 @dataclass(frozen=True, slots=True)
 class LocalGoToConfig:
-    """Settings of local navigation. speeds: steps/s. margin: free space (m) between shell and obstacle."""
+    """Settings of local navigation.
+
+    speed, turn_speed: steps/s; fix_speed: the same while it turns to and fro for the walls. margin: free
+    space (m) between shell and obstacle.
+    """
 
     speed: float = 233.0
     turn_speed: float = 233.0
+    fix_speed: float = 150.0
     margin: float = 0.006
 
 
@@ -29,10 +37,15 @@ class LocalGoing(Enum):
     DRIVE = "drive"
     RETREAT = "retreat"
     FACE = "face"
+    FIX = "fix"
+    FACE_AGAIN = "face-again"
 
 
 class LocalGoTo(Behavior):
     """Drives through places of a local map. Goal: `agent.goals.GoThrough`. Result: `PlacesDriven`.
+
+    With a goal `agent.local_goals.GoByWalls` the walls that its turns sweep correct the pose, and the result
+    is `PlacesByWalls`.
 
     An obstacle on the way: it goes back to the place before and gives up, so that the caller can remember the
     blocked edge and plan anew.
@@ -48,61 +61,79 @@ class LocalGoTo(Behavior):
         Transition("next", LocalGoing.DRIVE, LocalGoing.AIM),
         Transition("retreat", LocalGoing.DRIVE, LocalGoing.RETREAT),
         Transition("face", LocalGoing.AIM, LocalGoing.FACE),
+        Transition("fix", LocalGoing.FACE, LocalGoing.FIX),
+        Transition("fixed", LocalGoing.FIX, LocalGoing.FACE_AGAIN),
     )
     config: LocalGoToConfig
 
     def on_reset(self) -> None:
         """Forgets the places."""
+        self._by_walls = self._fix_at_end = False
+        self._heading: float | None = None
         self._places: list[tuple[float, float]] = []
         self._reached = 0
         self._from = (0.0, 0.0)
-        self._heading: float | None = None
-        self.pose = Pose()
+        self._pose = LocalPose()
+        self._fix = LocalFix(RobotGeometry(), self._pose, landmarks=False)
 
     def on_start(self, goal: Any, context: Context) -> None:
-        """Takes a `GoThrough` goal. Raises: TypeError for anything else."""
-        if not isinstance(goal, GoThrough):
-            raise TypeError(f"{self.name} needs a GoThrough goal, not {goal!r}")
+        """Takes a `GoThrough` or `GoByWalls` goal. Raises: TypeError for anything else."""
+        if isinstance(goal, GoByWalls):
+            self._pose = LocalPose.of(goal.belief)
+            self._fix_at_end = goal.fix
+        elif isinstance(goal, GoThrough):
+            self._pose = LocalPose(goal.start[2])
+            self._pose.x, self._pose.y = goal.start[:2]
+        else:
+            raise TypeError(f"{self.name} needs a GoThrough goal or GoByWalls, not {goal!r}")
+        self._by_walls = isinstance(goal, GoByWalls)
         self._places = list(goal.places)
         self._heading = goal.heading
-        self.pose = Pose(*goal.start)
-        self._from = goal.start[:2]
+        self._fix = LocalFix(context.geometry, self._pose, landmarks=self._by_walls)
+        self._from = (self._pose.x, self._pose.y)
+
+    @property
+    def pose(self) -> Pose:
+        """Where it holds the robot to be (m, rad), in the frame of the places."""
+        return self._pose.pose
 
     def propose(self, percept: Percept, context: Context) -> Proposal:
         """One tick of local navigation."""
-        self._integrate(context)
+        self._fix.integrate(context)
         if self.state is LocalGoing.AIM:
             command = self._aim(percept, context)
         elif self.state is LocalGoing.DRIVE:
             command = self._drive(percept, context)
         elif self.state is LocalGoing.RETREAT:
             command = self._retreat(context)
+        elif self.state is LocalGoing.FIX:
+            command = self._take_fix(percept, context)
         else:
-            command = self._face(context)
+            command = self._face(percept, context)
         return Proposal(command, 1.0, self.state.value)
 
     def _aim(self, percept: Percept, context: Context) -> WheelCommand:
         if not self._places:
             self.fire("face")
             return STOP
+        self._fix.sweep(percept)
         length, bearing = self._to(self._places[0])
         if length < 0.002:
             self._arrive()
             return STOP
-        remaining = wrap_angle(bearing - self.pose.heading)
+        remaining = wrap_angle(bearing - self._pose.heading)
         if abs(remaining) > 0.006:
             return spin_command(context.geometry, remaining, self.config.turn_speed)
+        self._fix.correct()
         if not is_free(obstacles(percept, context.geometry), context.geometry, length, self.config.margin):
-            self.finish(
-                False, f"the way to place {self._reached} is blocked", PlacesDriven(self._reached, self.pose)
-            )
+            self._end(False, f"the way to place {self._reached} is blocked")
             return STOP
         self.fire("go")
         return STOP
 
     def _drive(self, percept: Percept, context: Context) -> WheelCommand:
         length, bearing = self._to(self._places[0])
-        error = wrap_angle(bearing - self.pose.heading)
+        error = wrap_angle(bearing - self._pose.heading)
         remaining = length * math.cos(error)
         if remaining < 0.001:
             self._arrive()
@@ -118,37 +149,48 @@ class LocalGoTo(Behavior):
 
     def _retreat(self, context: Context) -> WheelCommand:
         length, bearing = self._to(self._from)
-        error = wrap_angle(bearing + math.pi - self.pose.heading)
+        error = wrap_angle(bearing + math.pi - self._pose.heading)
         if length * math.cos(error) < 0.001:
-            self.finish(
-                False,
-                f"an obstacle on the way to place {self._reached}",
-                PlacesDriven(self._reached, self.pose),
-            )
+            self._end(False, f"an obstacle on the way to place {self._reached}")
             return STOP
         return drive_command(context.geometry, -self.config.speed, 3.0 * max(-0.3, min(0.3, error)))
 
-    def _face(self, context: Context) -> WheelCommand:
-        if self._heading is not None:
-            remaining = wrap_angle(self._heading - self.pose.heading)
+    def _face(self, percept: Percept, context: Context) -> WheelCommand:
+        heading, again = self._heading, self.state is LocalGoing.FACE_AGAIN
+        if heading is not None:
+            self._fix.sweep(percept)
+            remaining = wrap_angle(heading - self._pose.heading)
             if abs(remaining) > 0.004:
-                return spin_command(context.geometry, remaining, self.config.turn_speed)
-        self.finish(True, "arrived", PlacesDriven(self._reached, self.pose))
+                speed = self.config.fix_speed if again else self.config.turn_speed
+                return spin_command(context.geometry, remaining, speed)
+        if self._fix_at_end and not again:
+            turn = self._fix.turn_to_see() if heading is None else 0.0
+            self._fix.begin((turn, *ROCK))
+            self.fire("fix")
+        else:
+            self._end(True, "arrived")
+        return STOP
+
+    def _take_fix(self, percept: Percept, context: Context) -> WheelCommand:
+        command = self._fix.fix(percept, context, self.config.fix_speed)
+        if command is not None:
+            return command
+        self._fix.correct()
+        self.fire("fixed")
         return STOP
 
     def _arrive(self) -> None:
         self._from = self._places.pop(0)
         self._reached += 1
+        self._fix.forget()
 
     def _to(self, place: tuple[float, float]) -> tuple[float, float]:
-        dx, dy = place[0] - self.pose.x, place[1] - self.pose.y
+        dx, dy = place[0] - self._pose.x, place[1] - self._pose.y
         return math.hypot(dx, dy), math.atan2(dy, dx)
 
-    def _integrate(self, context: Context) -> None:
-        pose = self.pose
-        middle = pose.heading + 0.5 * context.turn
-        self.pose = Pose(
-            pose.x + context.distance * math.cos(middle),
-            pose.y + context.distance * math.sin(middle),
-            pose.heading + context.turn,
-        )
+    def _end(self, succeeded: bool, reason: str) -> None:
+        pose = self._pose
+        result: Any = PlacesDriven(self._reached, pose.pose)
+        if self._by_walls:
+            result = PlacesByWalls(self._reached, pose.pose, pose.belief())
+        self.finish(succeeded, reason, result)

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..agent.behavior import Context
 from ..agent.events import BehaviorFinished, BehaviorStarted, NodeCommitted, NodeCreated
-from ..agent.goals import LocalSamples
+from ..agent.goals import ExploreLocally, LocalSamples
 from ..agent.thesis_mapping import ThesisMapper
 from ..maps.local_map import LocalMap
 from ..maps.local_training import DEFAULT, THESIS_1, LocalMapConfig
@@ -106,8 +106,10 @@ class ExplorationProbe:
         bus.subscribe(NodeCommitted, self._on_committed)
 
     def _on_started(self, event: BehaviorStarted) -> None:
-        if event.behavior == "local-exploration":
-            self._before = self._run.world.true_pose()
+        if event.behavior == "local-exploration" and isinstance(event.goal, ExploreLocally):
+            pose = self._run.world.true_pose()
+            # The robot may stand askew and know it: exploring ends in the entry heading all the same.
+            self._before = Pose(pose.x, pose.y, pose.heading - event.goal.heading)
 
     def _on_finished(self, event: BehaviorFinished) -> None:
         if event.behavior == "local-exploration":

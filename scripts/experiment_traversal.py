@@ -17,7 +17,8 @@ from typing import Any
 from ..agent import Agent
 from ..agent.events import NodePassed
 from ..agent.goals import ReturnToCorner
-from ..agent.navigation import LocalNavigator, Navigator
+from ..agent.local_navigation import LocalNavigator
+from ..agent.navigation import Navigator
 from ..agent.thesis_navigation import Correction, ThesisNavigator
 from ..maps.hybrid_map import Arc, HybridMap
 from ..world import World
@@ -181,10 +182,15 @@ class TraversalRun:
         if local_map is None:
             return
         if self._local is None or self._local.local_map is not local_map:
-            self._local = LocalNavigator(self.agent, self.map, node)
+            landmarks = isinstance(self.navigator, Navigator)
+            self._local = LocalNavigator(self.agent, self.map, node, landmarks=landmarks)
         local = self._local
-        local.pose, local.unit = Pose(), local_map.nearest_unit(0.0, 0.0)
-        for unit in [unit for unit in range(local_map.metric.units) if local_map.hits[unit] > 0]:
+        local.begin()
+        to_visit = [unit for unit in range(local_map.metric.units) if local_map.hits[unit] > 0]
+        while to_visit:
+            here = local_map.position(local.unit)
+            unit = min(to_visit, key=lambda unit: math.dist(local_map.position(unit), here))
+            to_visit.remove(unit)
             self.scores.local_units += 1
             local.go(unit)
             self._run_local(local)

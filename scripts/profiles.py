@@ -70,7 +70,16 @@ PROFILES: Mapping[str, Profile] = MappingProxyType(
         "thesis": Profile(
             "thesis",
             behaviors=MappingProxyType(
-                {"local-exploration": MappingProxyType({"landmarks": False, "compass": False})}
+                {
+                    "local-exploration": MappingProxyType(
+                        {
+                            "landmarks": False,
+                            "compass": False,
+                            "panorama_interval": 0.04,
+                            "turn_speed": 300.0,
+                        }
+                    )
+                }
             ),
             mapper="turns",
             navigator="distance",

@@ -47,7 +47,7 @@ def test_a_wall_met_while_the_pose_is_good_corrects_it_later() -> None:
     unsure(pose)
     true = Pose(0.0, 0.0, 0.05)
     assert pose.see(seen(true, pose, 1.0, 0.06))
-    assert pose.heading == pytest.approx(0.05, abs=0.005)
+    assert pose.heading == pytest.approx(0.05, abs=0.007)
 
 
 def test_where_walls_are_square_a_new_one_tells_the_heading_at_once() -> None:
@@ -114,3 +114,38 @@ def test_the_errors_of_an_exploration_are_as_large_as_it_says() -> None:
                     pose.see(wall)
         ratios.append(wrap_angle(pose.heading - true.heading) ** 2 / pose.heading_variance)
     assert 0.5 < float(np.mean(ratios)) < 1.7
+
+
+def test_a_belief_is_all_there_is_to_a_pose() -> None:
+    pose = unsure(LocalPose(0.3, square=True))
+    pose.know(RIGHT, 0.057, 0.005, (-0.087, 0.0))
+    pose.see(seen(Pose(0.0, 0.0, 0.3), pose, 0.0, 0.06))
+    again = LocalPose.of(pose.belief())
+    assert again.belief() == pose.belief()
+    for each in (pose, again):
+        each.move(0.02, 0.4)
+        each.see(seen(Pose(0.02, 0.0, 0.7), each, RIGHT, 0.057))
+    assert again.belief() == pose.belief()
+
+
+def test_lookouts_are_of_walls_in_two_directions_the_nearest_to_the_node_last() -> None:
+    pose = LocalPose()
+    for wall in (
+        (RIGHT, 0.057, 0.005, (-0.087, 0.0)),
+        (-RIGHT, 0.09, 0.005, (0.0, 0.04)),
+        (0.0, 0.1, 0.005, (0.05, 0.05)),
+    ):
+        pose.know(*wall)
+    assert [mark.lookout for mark in pose.lookouts()] == [(0.05, 0.05), (0.0, 0.04)]
+
+
+def test_a_pose_becomes_doubtful_by_turning_and_certain_by_a_wall() -> None:
+    pose = LocalPose()
+    pose.know(RIGHT, 0.057, 0.005)
+    turned = 0
+    while not pose.doubtful:
+        pose.move(0.0, 1.0)
+        turned += 1
+    assert 20 < turned < 100
+    pose.see(seen(Pose(0.0, 0.0, pose.heading), pose, RIGHT, 0.057))
+    assert not pose.doubtful

@@ -5,18 +5,16 @@ from enum import Enum
 from typing import Any
 
 import networkx as nx
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tolman.agent import Agent
 from tolman.agent.behavior import Behavior, Context, Proposal
 from tolman.agent.events import BehaviorFinished, Event, Lost, NodeReached
-from tolman.agent.goals import FollowFrom, GoAlong, GoThrough, LegDriven, PlacesDriven
-from tolman.agent.navigation import LocalNavigator, Navigator, plan_legs
+from tolman.agent.goals import FollowFrom, GoAlong, LegDriven, PlacesDriven
+from tolman.agent.navigation import Navigator, plan_legs
 from tolman.maps.errors import MapError
 from tolman.maps.hybrid_map import HybridMap
-from tolman.maps.local_map import LocalMap
 from tolman.maps.meta import MapMeta
 from tolman.plugins.testing import ScriptedRobot, event_of
 from tolman.world.robot import Percept, Pose
@@ -43,10 +41,6 @@ class Puppet(Behavior):
 
 class GoPuppet(Puppet):
     name = "go-to-node"
-
-
-class LocalPuppet(Puppet):
-    name = "local-go-to"
 
 
 def ring(lengths: list[float], convex: int | None = None) -> HybridMap:
@@ -176,67 +170,3 @@ def test_what_another_behavior_finishes_does_not_end_a_trip() -> None:
     trip.go(1)
     finish(agent, "local-go-to", True, PlacesDriven(1, Pose()))
     assert not trip.done
-
-
-def local() -> tuple[LocalNavigator, LocalPuppet, Agent]:
-    places = np.random.default_rng(0).uniform(-0.12, 0.12, (400, 2))
-    graph = HybridMap()
-    graph.add_node(local_map=LocalMap.build(places))
-    puppet = LocalPuppet()
-    agent = Agent(ScriptedRobot(), [puppet])
-    return LocalNavigator(agent, graph, 0), puppet, agent
-
-
-def farthest(trip: LocalNavigator) -> int:
-    return trip.local_map.nearest_unit(0.12, 0.12)
-
-
-def test_a_node_without_a_local_map_cannot_be_navigated_in() -> None:
-    graph = ring(SQUARE)
-    with pytest.raises(MapError, match="node 1 has no local map"):
-        LocalNavigator(Agent(ScriptedRobot(), [LocalPuppet()]), graph, 1)
-
-
-def test_in_a_local_map_it_drives_from_unit_to_unit() -> None:
-    trip, puppet, agent = local()
-    goal = farthest(trip)
-    trip.go(goal)
-    through = puppet.goals[-1]
-    assert isinstance(through, GoThrough)
-    assert through.places[-1] == pytest.approx(trip.local_map.position(goal))
-    end = Pose(*through.places[-1], 0.7)
-    finish(agent, "local-go-to", True, PlacesDriven(len(through.places), end))
-    assert (trip.done, trip.reached, trip.unit, trip.pose) == (True, True, goal, end)
-
-
-def test_the_way_home_ends_at_the_node_facing_the_entry_heading() -> None:
-    trip, puppet, agent = local()
-    trip.go(farthest(trip))
-    finish(agent, "local-go-to", True, PlacesDriven(len(puppet.goals[-1].places), Pose(0.1, 0.1, 1.0)))
-    trip.home()
-    through = puppet.goals[-1]
-    assert through.places[-1] == (0.0, 0.0)
-    assert through.heading == 0.0
-    assert through.start == pytest.approx((0.1, 0.1, 1.0))
-
-
-def test_who_cannot_even_reach_the_unit_it_begins_at_gives_up() -> None:
-    trip, _, agent = local()
-    trip.go(farthest(trip))
-    finish(agent, "local-go-to", False, PlacesDriven(0, Pose()), "blocked")
-    assert (trip.done, trip.reached, trip.reason) == (True, False, "blocked")
-    assert not trip.local_map.blocked
-
-
-def test_an_obstacle_is_remembered_and_another_way_tried_until_there_is_none() -> None:
-    trip, _, agent = local()
-    trip.go(farthest(trip))
-    tries = 0
-    while not trip.done and tries < 100:
-        tries += 1
-        finish(agent, "local-go-to", False, PlacesDriven(1, trip.pose), "blocked")
-    assert trip.done
-    assert not trip.reached
-    assert tries > 1
-    assert len(trip.local_map.blocked) == tries
-    assert all(trip.local_map.nearest_unit() in edge for edge in trip.local_map.blocked)

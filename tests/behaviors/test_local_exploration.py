@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from tolman.agent import Agent
 from tolman.agent.events import BehaviorFinished, Event
 from tolman.agent.goals import ExploreLocally, LocalSamples
+from tolman.agent.local_goals import walls_at
 from tolman.behaviors.local_exploration import Exploring, LocalExploration
 from tolman.plugins.strategies import percept_runs
 from tolman.plugins.testing import Trial, assert_valid, event_of, percept
@@ -16,7 +17,7 @@ from tolman.world.robot import Image, Percept, Pose
 
 NODE = Pose(0.943, 0.057, 0.0)
 """env1's first concave node: walls 5.7 cm to the right and ahead."""
-WALLS = ((-0.5 * math.pi, 0.057, 0.005), (0.0, 0.057, 0.008))
+WALLS = walls_at("right", "concave", square=True, distance=0.057)
 
 
 def in_the_open(strategy: str, **settings: object) -> Trial:

@@ -36,7 +36,12 @@ def test_an_unknown_profile_is_refused_with_the_nearest() -> None:
 def test_settings_asked_for_come_on_top_of_the_profiles() -> None:
     asked = {"local-exploration": {"compass": True}, "wander": {}}
     merged = behavior_settings(find_profile("thesis"), asked)
-    assert merged["local-exploration"] == {"landmarks": False, "compass": True}
+    assert merged["local-exploration"] == {
+        "landmarks": False,
+        "compass": True,
+        "panorama_interval": 0.04,
+        "turn_speed": 300.0,
+    }
     assert behavior_settings(find_profile("thesis"), None)["local-exploration"]["compass"] is False
 
 
