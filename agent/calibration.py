@@ -48,12 +48,19 @@ class MismatchLearner:
     """Learns the wheels' mismatch from every straight wall that is followed, and has odometry use it."""
 
     def __init__(self, agent: Agent, estimate: MismatchEstimate | None = None) -> None:
-        """Subscribes to what the wall follower tells of walls."""
-        self.estimate = estimate if estimate is not None else MismatchEstimate()
+        """Subscribes to what the wall follower tells of walls. estimate: None: begins at odometry's."""
+        self.estimate = estimate if estimate is not None else MismatchEstimate(agent.odometry.mismatch)
         self._agent = agent
         self._wall: WallMet | None = None
-        agent.bus.subscribe(WallMet, self._on_wall)
-        agent.bus.subscribe(CornerReached, self._on_corner)
+        self._subscriptions = [
+            agent.bus.subscribe(WallMet, self._on_wall),
+            agent.bus.subscribe(CornerReached, self._on_corner),
+        ]
+
+    def close(self) -> None:
+        """Learns no more."""
+        for subscription in self._subscriptions:
+            subscription.cancel()
 
     def _on_wall(self, event: WallMet) -> None:
         self._wall = event

@@ -8,6 +8,7 @@ one alone explains what was met; in a room that looks the same from several plac
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -29,7 +30,8 @@ class LocalizationConfig:
     other_kind: what a corner of the other kind speaks against it. margin: by how much the best place must
     lead. misfit: how much may speak against the best place for each arc. least_arcs: whole arcs to have
     seen. loops: after so many times round without a claim it is ambiguous. jump: no place falls farther
-    behind the best, so that the filter finds back after a stretch of boundary that has changed.
+    behind the best, so that the filter finds back after a stretch of boundary that has changed. away: what
+    speaks against a place at first that is not near where the robot is thought to be.
     """
 
     length_deviation: float = 0.006
@@ -42,13 +44,19 @@ class LocalizationConfig:
     least_arcs: int = 2
     loops: float = 1.5
     jump: float = 24.0
+    away: float = 20.0
 
 
 class BoundaryFilter:
     """Evidence for each node of being the corner that the robot met last. Knows only what it is told."""
 
-    def __init__(self, hybrid_map: HybridMap, config: LocalizationConfig = LocalizationConfig()) -> None:
-        """All nodes are equally likely at first."""
+    def __init__(
+        self,
+        hybrid_map: HybridMap,
+        config: LocalizationConfig = LocalizationConfig(),
+        near: Collection[int] = (),
+    ) -> None:
+        """near: nodes of which one is likely to be met first; without them all are equally likely."""
         self.config = config
         side = hybrid_map.meta.side
         nodes = hybrid_map.graph.nodes
@@ -60,7 +68,8 @@ class BoundaryFilter:
             if arc is not None:
                 self._next[node] = (arc.end, arc.distance)
         self._into = dict(self._next.values())
-        self.evidence: dict[int, float] = dict.fromkeys(nodes, 0.0)
+        far = -config.away if near else 0.0
+        self.evidence: dict[int, float] = {node: 0.0 if node in near else far for node in nodes}
         self._latest: dict[int, tuple[float, ...]] = dict.fromkeys(nodes, ())
         self.arcs = 0
         self.length = 0.0
@@ -158,11 +167,12 @@ class Localizer:
         agent: Agent,
         hybrid_map: HybridMap,
         config: LocalizationConfig = LocalizationConfig(),
+        near: Collection[int] = (),
     ) -> None:
-        """Subscribes to the agent's events; `begin` starts the drive."""
+        """Subscribes to the agent's events; `begin` starts the drive. near: as for `BoundaryFilter`."""
         self.agent = agent
         self.side = hybrid_map.meta.side
-        self.filter = BoundaryFilter(hybrid_map, config)
+        self.filter = BoundaryFilter(hybrid_map, config, near)
         self.done = False
         self.node: int | None = None
         self.reason = ""
@@ -175,6 +185,11 @@ class Localizer:
     def begin(self) -> None:
         """Looks for a wall and follows it."""
         self.agent.start("wall-following", Follow(self.side))
+
+    def cancel(self) -> None:
+        """Stops where the robot is, without having found out."""
+        if not self.done:
+            self._close("cancelled")
 
     def _on_wall(self, event: WallMet) -> None:
         if self._corner is not None and not self.done:
@@ -196,9 +211,12 @@ class Localizer:
             self._end(f"ambiguous: cannot tell nodes {rivals} apart")
 
     def _end(self, reason: str) -> None:
+        self._close(reason)
+        if self.node is None:
+            self.agent.bus.publish(Lost(time=self.agent.context.time, reason=reason))
+
+    def _close(self, reason: str) -> None:
         self.done, self.reason = True, reason
         self.agent.stop("wall-following")
         for subscription in self._subscriptions:
             subscription.cancel()
-        if self.node is None:
-            self.agent.bus.publish(Lost(time=self.agent.context.time, reason=reason))

@@ -170,7 +170,7 @@ class Mapper:
         elif judgement.finding is Finding.MAYBE_KNOWN:
             self.phase = Phase.CONFIRM
         elif self._rounds() > self.config.most_rounds:
-            self._end(f"{self.config.most_rounds:.0f} rounds without recognizing a corner")
+            self.stop(f"{self.config.most_rounds:.0f} rounds without recognizing a corner")
         else:
             self._add_node(len(self.trace.corners) - 1, event)
             self._explore()
@@ -265,7 +265,7 @@ class Mapper:
         self._on_commit(self.current, self._met_at)
         self.agent.bus.publish(NodeCommitted(time=self.agent.context.time, node=self.current))
         if self.config.max_nodes is not None and len(self.circuit.node_of) >= self.config.max_nodes:
-            self._end("max nodes")
+            self.stop("max nodes")
         else:
             self.drive_on()
 
@@ -291,9 +291,10 @@ class Mapper:
             self.map.record_traversal(source, target, self.config.side, event.path_length)
         self.current = known[(len(again) - 1) % len(known)]
         self.agent.bus.publish(LoopClosed(time=self.agent.context.time, node=known[0], met_at=again[0].time))
-        self._end("loop closed")
+        self.stop("loop closed")
 
-    def _end(self, reason: str) -> None:
+    def stop(self, reason: str) -> None:
+        """Ends mapping: no corner becomes a node any more."""
         self.reason = reason
         self.phase = Phase.DONE
         self.agent.stop("wall-following")

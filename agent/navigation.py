@@ -80,7 +80,7 @@ class Navigator:
         self.reached = False
         self.reason = ""
         self.mismatch = MismatchLearner(agent) if learn_mismatch else None
-        agent.bus.subscribe(BehaviorFinished, self._on_finished)
+        self._subscription = agent.bus.subscribe(BehaviorFinished, self._on_finished)
 
     def go(self, goal: int) -> None:
         """Sets out for a node; the robot ends in its transition pose. Raises: MapError if there is no way."""
@@ -102,6 +102,22 @@ class Navigator:
         self.path = [self.node, *(leg.target for leg in legs)]
         side = legs[-1].side if legs else self.arrival
         self.agent.start("go-to-node", GoAlong(legs, self._facing(self.path[-1], side)))
+
+    def cancel(self) -> None:
+        """Stops where the robot is; `node` is then the last one it was told of, not where it stands."""
+        if not self.done:
+            self._end(False, "cancelled")
+            self.agent.stop("go-to-node")
+
+    def stand_at(self, node: int, arrival: str | None = None) -> None:
+        """Tells where the robot is. arrival: as in the constructor."""
+        self.node, self.arrival = node, arrival or self.map.meta.side
+
+    def close(self) -> None:
+        """Hears and learns no more: for a map that is put away."""
+        self._subscription.cancel()
+        if self.mismatch is not None:
+            self.mismatch.close()
 
     @property
     def failed(self) -> Leg | None:

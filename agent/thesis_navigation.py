@@ -95,7 +95,7 @@ class ThesisNavigator:
         self._begun = 0.0
         self._face = True
         agent.processes.append(self)
-        agent.bus.subscribe(BehaviorFinished, self._on_finished)
+        self._subscription = agent.bus.subscribe(BehaviorFinished, self._on_finished)
 
     @property
     def arrival(self) -> str:
@@ -119,6 +119,28 @@ class ThesisNavigator:
         self.planned = tuple(Leg(arc.start, arc.end, arc.side, arc.distance, "none") for arc in arcs)
         self.path = [self.node, *(arc.end for arc in arcs)]
         self._next()
+
+    @property
+    def failed(self) -> Leg | None:
+        """The published method does not know on which arc it failed."""
+        return None
+
+    def cancel(self) -> None:
+        """Stops where the robot is; `node` is then the last one it was told of, not where it stands."""
+        if self._phase is not Driving.IDLE:
+            self._end(False, "cancelled")
+            for name in ("reactive-wall-following", "look-around", "local-go-to"):
+                self.agent.stop(name)
+
+    def stand_at(self, node: int, arrival: str | None = None) -> None:
+        """Tells where the robot is. arrival: as in the constructor."""
+        self.node, self.facing = node, arrival or self.map.meta.side
+
+    def close(self) -> None:
+        """Hears no more: for a map that is put away."""
+        self._subscription.cancel()
+        if self in self.agent.processes:
+            self.agent.processes = [each for each in self.agent.processes if each is not self]
 
     # --- the arcs, one after the other ---------------------------------------------------------------
 

@@ -12,7 +12,8 @@ from typing import Any, Literal, Protocol
 
 from ..agent import Agent
 from ..agent.boundary import ClosingConfig
-from ..agent.goals import Leg, LegDriven, LocalSamples
+from ..agent.goals import LocalSamples
+from ..agent.guide import AnyNavigator
 from ..agent.mapping import Mapper, MappingConfig
 from ..agent.navigation import Navigator
 from ..agent.thesis_mapping import ThesisMapper, ThesisMappingConfig
@@ -167,6 +168,9 @@ class AnyMapper(Protocol):
     def begin(self) -> None:
         """Starts the drive."""
 
+    def stop(self, reason: str) -> None:
+        """Ends mapping before its time."""
+
     def drive_on(self) -> None:
         """Goes on after `restore`."""
 
@@ -175,22 +179,6 @@ class AnyMapper(Protocol):
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Goes back to a `state`."""
-
-
-class AnyNavigator(Protocol):
-    """What a trip needs of a navigator, whichever the profile names."""
-
-    agent: Agent
-    node: int
-    legs: list[LegDriven]
-    planned: tuple[Leg, ...]
-    path: list[int]
-    done: bool
-    reached: bool
-    reason: str
-
-    def go(self, goal: int) -> None:
-        """Sets out for a node."""
 
 
 def make_mapper(

@@ -13,6 +13,7 @@ import numpy as np
 from ..agent import Agent
 from ..agent.events import Stuck
 from ..agent.goals import Leg, LegDriven
+from ..agent.guide import AnyNavigator
 from ..agent.localization import Localizer
 from ..agent.navigation import Navigator
 from ..maps.hybrid_map import HybridMap
@@ -21,7 +22,7 @@ from ..maps.meta import MapMeta
 from ..world import World
 from ..world.arenas import built_in_worlds, find_world
 from ..world.robot import Pose, wrap_angle
-from .profiles import AnyNavigator, find_profile, make_navigator
+from .profiles import find_profile, make_navigator
 from .record_run import recorded
 from .requests import GoReport, GoRequest, Progress, SessionError
 from .wiring import load_settings, make_agent, make_world

@@ -11,9 +11,11 @@ from tolman.agent.mission_dry_run import dry_run
 from tolman.agent.missions import Mission
 from tolman.agent.recording import read_recording
 from tolman.maps.hybrid_map import HybridMap
+from tolman.maps.map_file import read_truth
 from tolman.scripts.mission_requests import MissionReport, MissionRequest
 from tolman.scripts.mission_session import run_mission
 from tolman.scripts.replay_run import replay
+from tolman.world.robot import Pose
 
 EXAMPLES = Path(__file__).parents[2] / "scripts" / "missions"
 
@@ -67,9 +69,41 @@ def test_a_mission_without_a_map_cannot_go_anywhere(tmp_path: Path) -> None:
     assert "there is no map yet: explore, or load one" in report.reason
 
 
-def test_a_cancelled_trip_leaves_the_robot_unsure_where_it_is(mapped: Path, tmp_path: Path) -> None:
-    report = request(write(tmp_path, "steps: [race: [go_to: 5, wait: 1], go_to: 5]"), map=mapped)
-    assert "the robot does not know where it is: it was stopped between two nodes" in report.reason
+@pytest.mark.parametrize("seconds", [0.1, 1, 4, 9, 14, 21])
+def test_after_a_cancelled_trip_the_robot_finds_its_way_from_where_it_is(
+    mapped: Path, tmp_path: Path, seconds: float
+) -> None:
+    path = write(tmp_path, f"steps: [race: [go_to: 5, wait: {seconds}], go_to: 5, save: {tmp_path}/m.tolman]")
+    report = request(path, map=mapped, record=tmp_path / "run")
+    assert (report.status, report.reason, report.collisions) == ("done", "", 0)
+    truth = read_truth(tmp_path / "m.tolman")
+    there = Pose(*truth.run["pose"])
+    assert there.distance_to(Pose(*truth.nodes[5]["pose"])) < 0.02
+    assert replay(tmp_path / "run").identical
+
+
+def test_so_it_does_after_something_else_has_driven_it_away(mapped: Path, tmp_path: Path) -> None:
+    path = write(tmp_path, "steps: [go_to: 3, race: [do: wander, wait: 8], go_to: 3]")
+    report = request(path, map=mapped, record=tmp_path / "run")
+    assert (report.status, report.reason) == ("done", "")
+    assert any("Localized(" in line for line in timeline(read_recording(tmp_path / "run")))
+
+
+def test_a_mission_cancelled_on_the_way_goes_on_after_a_restart(mapped: Path, tmp_path: Path) -> None:
+    path = write(tmp_path, "steps: [race: [go_to: 5, wait: 6], say: stopped, wait: 1, go_to: 5]")
+    cut = MissionRequest(
+        mission=path, map=mapped, engine="kinematic", noise="encoder", journal=tmp_path / "j", max_time=6.5
+    )
+    assert run_mission(cut).status == "cancelled"
+    report = run_mission(replace(cut, max_time=None, resume=True))
+    assert (report.status, report.reason) == ("done", "")
+
+
+def test_who_maps_cannot_go_anywhere_until_that_has_ended(tmp_path: Path) -> None:
+    path = write(tmp_path, "steps: [explore: {wait: false}, wait: 1, go_to: 0]")
+    assert "the mapping is still under way" in request(path, world="env1").reason
+    path = write(tmp_path, "steps: [explore: {wait: false}, until: LoopClosed, go_to: 3]")
+    assert request(path, world="env1").status == "done"
 
 
 def test_time_that_is_over_cancels_a_mission(mapped: Path, tmp_path: Path) -> None:
