@@ -11,13 +11,13 @@ import yaml
 from tolman.maps import HybridMap, export, read_json
 from tolman.maps.errors import MapError, MapFileExistsError
 from tolman.maps.json_map import from_json, schema, to_json
-from tolman.scripts import torture
+from tolman.scripts.torture_maps import map_made_up_world
 
 
 @pytest.fixture(scope="module")
 def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("export") / "m.tolman"
-    torture.map_made_up_world(path, 3, 5)
+    map_made_up_world(path, 3, 5)
     return path
 
 
