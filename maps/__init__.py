@@ -8,6 +8,7 @@ from .errors import (
     MapFileError,
     MapFileExistsError,
     MapFileLockedError,
+    MapFileVersionError,
     NoMatchError,
     NoPathError,
     NotTrainedError,
@@ -21,6 +22,7 @@ from .local_training import LocalMapConfig
 from .map_file import MapFile, Truth, read_truth
 from .merging import merge
 from .meta import MapMeta
+from .migrating import migrate
 from .schedules import BatchConfig, OnlineConfig
 from .som import SOM
 
@@ -39,6 +41,7 @@ __all__ = [
     "MapFileError",
     "MapFileExistsError",
     "MapFileLockedError",
+    "MapFileVersionError",
     "MapMeta",
     "NoMatchError",
     "NoPathError",
@@ -50,6 +53,7 @@ __all__ = [
     "compare",
     "export",
     "merge",
+    "migrate",
     "read_json",
     "read_truth",
     "recover",

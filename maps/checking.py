@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import os
 import sqlite3
+import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from . import migrating
 from .errors import MapError, MapFileDamagedError, MapFileError
 from .meta import MapMeta
 from .reading import MAX_NODES, TensorReader, check_all_digests, damage, open_map, open_unchecked
 from .records import ArcRow, NodeRow, dump_json, parse_json, row_hash
-from .schema import COLUMNS, DIGESTED
+from .schema import CURRENT
 from .storage import check_arc, check_node, drafting, read_graph
 from .writing import RowWriter
 
@@ -52,6 +54,8 @@ def validate(path: str | os.PathLike[str]) -> Validation:
     target = Path(path)
     if not target.is_file():
         raise MapFileError(f"{target}: there is no such file")
+    if migrating.FORMATS.older(target) is not None:
+        return _of_older_version(target)
     problems: list[str] = []
     try:
         connection = open_map(target)
@@ -79,7 +83,7 @@ def recover(path: str | os.PathLike[str], output: str | os.PathLike[str], force:
     """Writes what can be saved of a file to another, sealed one; says what was wrong and what was saved.
 
     Nodes, arcs and local maps are kept when their own checksums hold; an arc needs both its nodes, a node
-    whose local map is damaged is kept without it.
+    whose local map is damaged is kept without it. A file of an older format version is brought up to date.
 
     Raises: MapFileError when nothing can be saved, MapFileExistsError.
     """
@@ -88,11 +92,27 @@ def recover(path: str | os.PathLike[str], output: str | os.PathLike[str], force:
         raise MapFileError(
             f"{goal}: recovering a file onto itself would lose what cannot be read; name another"
         )
+    if migrating.FORMATS.older(target) is not None:
+        done = migrating.migrate(target, goal, force)
+        return Validation((_VERSION.format(done.version),), done.nodes, done.arcs, done.local_maps)
     about = validate(target)
     found = _salvage(target)
     with drafting(goal, force) as writer:
         _write(found, writer)
     return about
+
+
+_VERSION = "format version {}: an older one, `tolman validate FILE --recover OUT` brings it up to date"
+
+
+def _of_older_version(path: Path) -> Validation:
+    """Brings the file over into a folder that is thrown away, to know what is in it."""
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            done = migrating.migrate(path, Path(folder) / "new.tolman")
+        except MapFileError as error:
+            return Validation((_bare(error, path), "nothing can be saved"), 0, 0, 0)
+    return Validation((_VERSION.format(done.version),), done.nodes, done.arcs, done.local_maps)
 
 
 def _bare(error: Exception, path: Path) -> str:
@@ -149,7 +169,7 @@ def _salvage(path: Path) -> _Salvage:
     connection = open_unchecked(path)
     try:
         found = _Salvage({}, {}, [])
-        for table in DIGESTED:
+        for table in CURRENT.digested:
             found.rows[table] = _good_rows(connection, table, found.lost)
         _drop_misfits(found)
         reader = TensorReader(path, connection)
@@ -170,15 +190,15 @@ def _salvage(path: Path) -> _Salvage:
 
 
 def _good_rows(connection: sqlite3.Connection, table: str, lost: list[str]) -> list[tuple[Any, ...]]:
-    columns = ", ".join(COLUMNS[table])
+    columns = ", ".join(CURRENT.columns[table])
     good: dict[Any, tuple[Any, ...]] = {}
     bad = 0
     for direction in ("ASC", "DESC"):  # damage in the middle stops a scan: come from the other end too
-        order = ", ".join(f"{column} {direction}" for column in _ORDER[table])
+        order = ", ".join(f"{column} {direction}" for column in CURRENT.key(table))
         try:
             for row in connection.execute(f"SELECT {columns}, hash FROM {table} ORDER BY {order}"):
                 if row_hash(table, row[:-1]) == row[-1]:
-                    good[row[: len(_ORDER[table])]] = row[:-1]
+                    good[row[: CURRENT.keys[table]]] = row[:-1]
                 else:
                     bad += 1
                 if len(good) + bad > 2 * MAX_NODES:
@@ -190,16 +210,6 @@ def _good_rows(connection: sqlite3.Connection, table: str, lost: list[str]) -> l
     if bad:
         lost.append(f"table {table}: {bad} row(s) whose checksum does not match")
     return [good[key] for key in sorted(good)]
-
-
-_ORDER = {
-    "meta": ("key",),
-    "node": ("id",),
-    "arc": ("start", '"end"', "kind"),
-    "session": ("id",),
-    "truth": ("node",),
-    "ext": ("owner", "key"),
-}
 
 
 def _drop_misfits(found: _Salvage) -> None:

@@ -31,6 +31,10 @@ class MapFileDamagedError(MapFileError):
     """The file does not hold what its checksums say, or is not a map file at all."""
 
 
+class MapFileVersionError(MapFileError):
+    """The file has another format version than this program reads; an older one can be migrated."""
+
+
 class MapFileLockedError(MapFileError):
     """Another process is writing the file."""
 

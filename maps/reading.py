@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from .errors import MapFileDamagedError, MapFileError
+from .errors import MapFileDamagedError, MapFileError, MapFileVersionError
 from .local_content import LocalMapContent
 from .locking import LOCK_SUFFIX
 from .records import row_hash, unpack_local_map, wrap_sum
-from .schema import APPLICATION_ID, COLUMNS, DIGESTED, FORMAT_VERSION, TABLES
+from .schema import APPLICATION_ID, CURRENT, Schema
 from .writing import sibling
 
 MAX_FILE = 64 << 30
@@ -45,7 +45,7 @@ def damage(path: Path) -> Iterator[None]:
         raise MapFileDamagedError(f"{path}: damaged: {error}") from None
 
 
-def open_map(path: Path) -> sqlite3.Connection:
+def open_map(path: Path, schema: Schema = CURRENT) -> sqlite3.Connection:
     """A read-only connection to a map file whose header and schema are what they must be.
 
     A sealed file is opened as immutable; one that is being written is read through its journal.
@@ -53,8 +53,8 @@ def open_map(path: Path) -> sqlite3.Connection:
     """
     # Closing a plain descriptor would drop the locks of a writer in this very process: ask SQLite instead.
     live = sibling(path, LOCK_SUFFIX).exists() and path.is_file()
-    sealed = not live and check_header(path)
-    return _connect(path, "mode=ro&immutable=1" if sealed else "mode=ro")
+    sealed = not live and check_header(path, schema)
+    return _connect(path, "mode=ro&immutable=1" if sealed else "mode=ro", schema)
 
 
 def open_unchecked(path: Path) -> sqlite3.Connection:
@@ -65,7 +65,7 @@ def open_unchecked(path: Path) -> sqlite3.Connection:
     return _connect(path, "mode=ro" if sibling(path, "-wal").exists() else "mode=ro&immutable=1")
 
 
-def _connect(path: Path, options: str) -> sqlite3.Connection:
+def _connect(path: Path, options: str, schema: Schema = CURRENT) -> sqlite3.Connection:
     with damage(path):
         connection = sqlite3.connect(
             f"file:{quote(str(path.absolute()))}?{options}",
@@ -76,25 +76,44 @@ def _connect(path: Path, options: str) -> sqlite3.Connection:
         )
         try:
             harden(connection)
-            check_version(connection)
-            check_schema(connection)
+            check_version(connection, schema)
+            check_schema(connection, schema)
         except BaseException:
             connection.close()
             raise
     return connection
 
 
-def check_version(connection: sqlite3.Connection) -> None:
+def check_version(connection: sqlite3.Connection, schema: Schema = CURRENT) -> None:
     """Whether SQLite sees our application id and a version we know. Raises: MapFileError."""
     application = connection.execute("PRAGMA application_id").fetchone()[0]
     version = connection.execute("PRAGMA user_version").fetchone()[0]
     if application != APPLICATION_ID:
         raise MapFileDamagedError(f"not a map file (application id {application:#010x})")
-    if version != FORMAT_VERSION:
-        raise MapFileError(f"format version {version}; this program reads version {FORMAT_VERSION}")
+    refuse_version(version, schema)
 
 
-def check_header(path: Path) -> bool:
+def refuse_version(version: int, schema: Schema) -> None:
+    """Raises: MapFileVersionError for a file of another version than the schema's."""
+    if version == schema.version:
+        return
+    told = f"format version {version}; this program reads version {schema.version}"
+    if 0 < version < schema.version:
+        raise MapFileVersionError(f"{told}: `tolman validate FILE --recover OUT` brings it up to date")
+    raise MapFileVersionError(f"{told}: a newer tolman wrote it" if version > schema.version else told)
+
+
+def version_of(path: Path) -> int:
+    """The format version in a file's header, 0 when it has none; nothing else is checked."""
+    try:
+        with open(path, "rb") as file:
+            header = file.read(64)
+    except OSError:
+        return 0
+    return int.from_bytes(header[60:64], "big")
+
+
+def check_header(path: Path, schema: Schema = CURRENT) -> bool:
     """Whether the file is sealed; checks what can be seen without SQLite. Raises: MapFileError."""
     try:
         about = path.stat()
@@ -111,8 +130,10 @@ def check_header(path: Path) -> bool:
     application, version = struct.unpack(">I", header[68:72])[0], struct.unpack(">I", header[60:64])[0]
     if application != APPLICATION_ID:
         raise MapFileDamagedError(f"{path}: not a map file (application id {application:#010x})")
-    if version != FORMAT_VERSION:
-        raise MapFileError(f"{path}: format version {version}; this program reads version {FORMAT_VERSION}")
+    try:
+        refuse_version(version, schema)
+    except MapFileError as error:
+        raise type(error)(f"{path}: {error}") from None
     page_size = struct.unpack(">H", header[16:18])[0]
     page_size = 65536 if page_size == 1 else page_size
     pages = struct.unpack(">I", header[28:32])[0]
@@ -144,15 +165,15 @@ def harden(connection: sqlite3.Connection) -> None:
     connection.set_progress_handler(lambda: time.monotonic() > end, 100_000)
 
 
-def check_schema(connection: sqlite3.Connection) -> None:
-    """Compares the schema with this version's, before any row is read. Raises: MapFileDamagedError."""
-    expected = {("table", name, name, sql) for name, sql in TABLES.items()}
+def check_schema(connection: sqlite3.Connection, schema: Schema = CURRENT) -> None:
+    """Compares the schema with the version's, before any row is read. Raises: MapFileDamagedError."""
+    expected = {("table", name, name, sql) for name, sql in schema.tables.items()}
     found = connection.execute("SELECT type, name, tbl_name, sql FROM sqlite_master LIMIT 100").fetchall()
     if len(found) != len(expected) or set(found) != expected:
         raise MapFileDamagedError("its tables are not those of a map file of its version")
 
 
-def read_rows(connection: sqlite3.Connection, table: str) -> list[tuple[Any, ...]]:
+def read_rows(connection: sqlite3.Connection, table: str, schema: Schema = CURRENT) -> list[tuple[Any, ...]]:
     """All rows of a digested table in key order, without their hashes, every one verified.
 
     Raises: MapFileDamagedError.
@@ -161,7 +182,7 @@ def read_rows(connection: sqlite3.Connection, table: str) -> list[tuple[Any, ...
     if known is None:
         raise MapFileDamagedError(f"no digest of table {table}")
     rows, total = [], 0
-    columns = ", ".join(COLUMNS[table])
+    columns = ", ".join(schema.columns[table])
     for row in connection.execute(f"SELECT {columns}, hash FROM {table}"):
         if row_hash(table, row[:-1]) != row[-1]:
             raise MapFileDamagedError(f"table {table}, row {row[0]!r:.40}: checksum does not match")
@@ -176,10 +197,10 @@ def read_rows(connection: sqlite3.Connection, table: str) -> list[tuple[Any, ...
     return rows
 
 
-def check_all_digests(connection: sqlite3.Connection) -> None:
+def check_all_digests(connection: sqlite3.Connection, schema: Schema = CURRENT) -> None:
     """Verifies every digested table. Raises: MapFileDamagedError."""
-    for table in DIGESTED:
-        read_rows(connection, table)
+    for table in schema.digested:
+        read_rows(connection, table, schema)
 
 
 class TensorReader:
@@ -206,7 +227,7 @@ class TensorReader:
 
     def _read(self, connection: sqlite3.Connection, node: int) -> LocalMapContent:
         where = f"{self._path}: node {node}"
-        columns = ", ".join(f"node.{column}" for column in COLUMNS["node"])
+        columns = ", ".join(f"node.{column}" for column in CURRENT.columns["node"])
         with damage(self._path):
             harden(connection)
             found = connection.execute(

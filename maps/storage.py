@@ -19,6 +19,7 @@ from .locking import Lock
 from .meta import MapMeta
 from .reading import MAX_ARCS_PER_NODE, MAX_NODES, TensorReader, damage, open_map, read_rows
 from .records import ArcRow, NodeRow, dump_json, pack_local_map, parse_json, parse_object
+from .schema import CURRENT, Schema
 from .writing import RowWriter, create_tables, file_errors, replace_file, sibling, transaction, write_copy
 
 CORNERS = ("concave", "convex", "none")
@@ -104,7 +105,7 @@ def write_file(
 
 
 @contextmanager
-def drafting(target: Path, force: bool = False) -> Iterator[RowWriter]:
+def drafting(target: Path, force: bool = False, schema: Schema = CURRENT) -> Iterator[RowWriter]:
     """Writes a whole new file through the writer it yields; `target` appears at the end or not at all.
 
     Raises: MapFileExistsError without force, MapFileError.
@@ -121,8 +122,8 @@ def drafting(target: Path, force: bool = False) -> Iterator[RowWriter]:
             try:
                 connection.execute("PRAGMA journal_mode = OFF")
                 connection.execute("PRAGMA synchronous = OFF")
-                create_tables(connection)
-                with transaction(connection) as writer:
+                create_tables(connection, schema)
+                with transaction(connection, schema) as writer:
                     yield writer
                 part = write_copy(connection, target)
             finally:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from .errors import MapFileError
 from .records import Value, row_hash, wrap_sum
-from .schema import APPLICATION_ID, DIGESTED, FORMAT_VERSION, KEYS, PAGE_SIZE, TABLES
+from .schema import APPLICATION_ID, CURRENT, PAGE_SIZE, Schema
 
 _SCHEMA_COOKIE = 40
 """Where the file's header has the 4-byte counter of schema changes."""
@@ -26,36 +26,38 @@ def file_errors(path: Path, doing: str) -> Iterator[None]:
         raise MapFileError(f"{path}: cannot {doing}: {reason}; what was saved before is kept") from error
 
 
-def create_tables(connection: sqlite3.Connection) -> None:
+def create_tables(connection: sqlite3.Connection, schema: Schema = CURRENT) -> None:
     """Makes an empty map of an empty database, in one transaction, with a rollback journal."""
     connection.execute(f"PRAGMA page_size = {PAGE_SIZE}")
     connection.execute("PRAGMA encoding = 'UTF-8'")
     connection.execute("BEGIN IMMEDIATE")
     connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
-    connection.execute(f"PRAGMA user_version = {FORMAT_VERSION}")
-    for statement in TABLES.values():
+    connection.execute(f"PRAGMA user_version = {schema.version}")
+    for statement in schema.tables.values():
         connection.execute(statement)
-    connection.executemany("INSERT INTO digest VALUES (?, 0, 0)", [(name,) for name in sorted(DIGESTED)])
+    connection.executemany(
+        "INSERT INTO digest VALUES (?, 0, 0)", [(name,) for name in sorted(schema.digested)]
+    )
     connection.execute("COMMIT")
 
 
 class RowWriter:
     """Puts and deletes rows inside the caller's transaction and keeps the digest; `finish` before COMMIT."""
 
-    def __init__(self, connection: sqlite3.Connection) -> None:
+    def __init__(self, connection: sqlite3.Connection, schema: Schema = CURRENT) -> None:
         """Begins with an unchanged digest."""
-        self.connection = connection
+        self.connection, self._schema = connection, schema
         self._changes: dict[str, tuple[int, int]] = {}
 
     def put(self, table: str, row: tuple[Value, ...]) -> bool:
-        """Inserts a row, in the order of COLUMNS, or replaces the one with its key; whether that was needed.
+        """Inserts a row, in the order of its columns, or replaces the one with its key; whether it had to.
 
         A row that is there already costs no write: most of what a commit puts has not changed.
         """
         clean = tuple(
             value + 0.0 if isinstance(value, float) else value for value in row
         )  # no -0.0: see format.md
-        value, there = row_hash(table, clean), self._hash(table, clean[: len(KEYS[table])])
+        value, there = row_hash(table, clean), self._hash(table, clean[: self._schema.keys[table]])
         if value == there:
             return False
         marks = ", ".join("?" * (len(clean) + 1))
@@ -67,13 +69,16 @@ class RowWriter:
         """Deletes the row with that key, if there is one."""
         there = self._hash(table, key)
         if there is not None:
-            self.connection.execute(f"DELETE FROM {table} WHERE {_where(table)}", key)
+            self.connection.execute(f"DELETE FROM {table} WHERE {self._where(table)}", key)
             self._change(table, -1, -there)
 
     def _hash(self, table: str, key: tuple[Value, ...]) -> int | None:
-        query = f"SELECT hash FROM {table} WHERE {_where(table)}"
+        query = f"SELECT hash FROM {table} WHERE {self._where(table)}"
         found = self.connection.execute(query, key).fetchone()
         return None if found is None else int(found[0])
+
+    def _where(self, table: str) -> str:
+        return " AND ".join(f"{column} = ?" for column in self._schema.key(table))
 
     def put_tensors(self, node: int, data: bytes | None) -> None:
         """Sets or, with None, removes the bytes of a node's local map."""
@@ -99,15 +104,11 @@ class RowWriter:
         self._changes[table] = (known[0] + rows, known[1] + total)
 
 
-def _where(table: str) -> str:
-    return " AND ".join(f"{column} = ?" for column in KEYS[table])
-
-
 @contextmanager
-def transaction(connection: sqlite3.Connection) -> Iterator[RowWriter]:
+def transaction(connection: sqlite3.Connection, schema: Schema = CURRENT) -> Iterator[RowWriter]:
     """One transaction: committed when the block ends well, rolled back when it raises."""
     connection.execute("BEGIN IMMEDIATE")
-    writer = RowWriter(connection)
+    writer = RowWriter(connection, schema)
     try:
         yield writer
         writer.finish()

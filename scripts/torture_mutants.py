@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..maps.records import row_hash
-from ..maps.schema import COLUMNS
+from ..maps.schema import CURRENT
 
 BYTES = ("truncate", "extend", "flip", "flip few", "overwrite", "zero", "swap pages", "header", "double page")
 ROWS = ("swap values", "set value", "delete row", "copy tensor", "swap tensors", "flip tensor", "digest")
@@ -75,7 +75,7 @@ def _bytes_mutant(data: bytes, name: str, rng: np.random.Generator) -> bytes:
 
 def _row_mutant(connection: sqlite3.Connection, name: str, rng: np.random.Generator) -> None:
     table = ("node", "arc", "meta", "truth", "session")[int(rng.integers(5))]
-    columns = COLUMNS[table][1:]
+    columns = CURRENT.columns[table][1:]
     column = columns[int(rng.integers(len(columns)))]
     number = int(rng.integers(4))
     if name == "swap values":
@@ -150,7 +150,7 @@ def _crafted_mutant(connection: sqlite3.Connection, name: str, rng: np.random.Ge
 
 def _reset(connection: sqlite3.Connection, table: str, column: str, value: Any) -> None:
     """Changes one value of the first row, and mends the row's checksum and the digest."""
-    columns = COLUMNS[table]
+    columns = CURRENT.columns[table]
     row = list(connection.execute(f"SELECT {', '.join(columns)}, hash FROM {table} LIMIT 1").fetchone())
     old = row.pop()
     row[columns.index(column)] = value
