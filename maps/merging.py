@@ -9,6 +9,12 @@ from .hybrid_map import Arc, HybridMap
 from .local_content import LocalMapContent
 from .local_map import LocalMap
 
+SLACK = 0.05
+"""Meters by which two ways along the same wall may differ, besides a fifth of their length."""
+
+LEAST_REST = 0.01
+"""Meters between two corners, at least, where the two maps' lengths say that they fall together."""
+
 
 def merge(one: HybridMap, other: HybridMap, comparison: Comparison | None = None) -> HybridMap:
     """A new map in the one's frame and numbering: its nodes, the other's further nodes, what both measured.
@@ -38,7 +44,7 @@ def merge(one: HybridMap, other: HybridMap, comparison: Comparison | None = None
             _put(merged, _pooled(merged.arc(moved.start, moved.end, moved.kind), moved))
         elif not _drives_through(merged, moved):
             _put(merged, moved)
-    _drop_coarse(merged)
+    _refine(merged)
     return merged
 
 
@@ -99,23 +105,43 @@ def _drives_through(merged: HybridMap, arc: Arc) -> bool:
     """Whether the merged map has nodes on the stretch of a wall-following arc already."""
     if arc.kind == "foray":
         return False
-    step, seen = merged.next_arc(arc.start, arc.kind), {arc.start}
-    length = 0.0
-    while step is not None and length <= 1.2 * arc.distance:
-        length += step.distance
-        if step.end == arc.end:
-            return True
-        if step.end in seen:
-            return False
-        seen.add(step.end)
-        step = merged.next_arc(step.end, arc.kind)
+    most, waiting, seen = 1.2 * arc.distance + SLACK, [(arc.start, 0.0)], {arc.start}
+    while waiting:
+        node, length = waiting.pop()
+        for step in merged.leaving(node):
+            if step.kind != arc.kind or step.end in seen or length + step.distance > most:
+                continue
+            if step.end == arc.end:
+                return True
+            seen.add(step.end)
+            waiting.append((step.end, length + step.distance))
     return False
 
 
-def _drop_coarse(merged: HybridMap) -> None:
-    """Where a node has two arcs of the same wall, the longer one drives through a corner: it goes."""
-    for node in merged.nodes():
-        for kind in ("right", "left"):
-            leaving = [arc for arc in merged.leaving(node) if arc.kind == kind]
-            for arc in sorted(leaving, key=lambda arc: arc.distance)[1:]:
-                merged.remove_arc(arc.start, arc.end, kind)
+def _refine(merged: HybridMap) -> None:
+    """Leaves each node one arc of a wall: to the nearest node along it, whichever map has that.
+
+    Of two arcs the longer one drives through the nearer one's end. What is left of it from there is kept if
+    the merged map lacks it: so are joined a corner that one map has and its neighbor that the other has.
+    """
+    waiting = [(node, kind) for kind in ("right", "left") for node in merged.nodes()]
+    while waiting:
+        node, kind = waiting.pop()
+        leaving = sorted((arc for arc in merged.leaving(node) if arc.kind == kind), key=_length)
+        while len(leaving) > 1:
+            near, far = leaving[0], leaving.pop()
+            merged.remove_arc(far.start, far.end, kind)
+            rest = replace(
+                far,
+                start=near.end,
+                distance=max(far.distance - near.distance, LEAST_REST),
+                variance=far.variance + near.variance,
+                notes={},
+            )
+            if rest.start != rest.end and not _drives_through(merged, rest):
+                _put(merged, rest)
+                waiting.append((rest.start, kind))
+
+
+def _length(arc: Arc) -> float:
+    return arc.distance

@@ -4,7 +4,7 @@ import json
 import math
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from tolman.maps.boundary import boundaries
 from tolman.maps.comparing import compare
@@ -105,7 +105,6 @@ def test_a_comparison_is_plain_json() -> None:
 def test_a_merged_map_has_each_corner_once_and_one_closed_boundary(
     room: int, sides: tuple[str, str], missing: tuple[set[int], set[int]]
 ) -> None:
-    assume(all((a - b) % 24 not in (1, 23) for a in missing[0] for b in missing[1]))
     one, true_one = map_of(random_room(room), 3, sides[0], seed=1, missing=tuple(missing[0]))
     other, true_other = map_of(random_room(room), 11, sides[1], seed=2, missing=tuple(missing[1]))
     merged = merge(one, other)
@@ -118,6 +117,28 @@ def test_a_merged_map_has_each_corner_once_and_one_closed_boundary(
     convex = sum(kind == "convex" for kind in boundary.corners)
     turned = sum(boundary.turns)
     assert turned == pytest.approx((len(known) - 2 * convex) * math.pi / 2, abs=1.0)
+
+
+@pytest.mark.parametrize("sides", [("right", "right"), ("right", "left"), ("left", "right")])
+@pytest.mark.parametrize("corner", [4, 9, 23])
+def test_neighbors_of_which_each_map_lacks_one_are_joined_at_their_distance(
+    corner: int, sides: tuple[str, str]
+) -> None:
+    room = random_room(3)
+    one, true_one = map_of(room, 3, sides[0], seed=1, missing=(corner,), noise=0.002)
+    other, true_other = map_of(room, 11, sides[1], seed=2, missing=((corner + 1) % 24,), noise=0.002)
+    found = compare(one, other)
+    merged = merge(one, other, found)
+    true = {**true_one}
+    for partner, node in zip(found.only_other, range(len(one.graph), len(merged.graph)), strict=True):
+        true[node] = true_other[partner]
+    numbers = {place: node for node, place in true.items()}
+    assert sorted(numbers) == list(range(24))
+    for place in range(24):
+        there, back = numbers[place], numbers[(place + 1) % 24]
+        assert merged.arc(there, back, "right").distance == pytest.approx(room.lengths[place], abs=0.02)
+        assert merged.arc(back, there, "left").distance == pytest.approx(room.lengths[place], abs=0.02)
+    assert len(list(merged.arcs())) == 48
 
 
 def test_merged_arcs_pool_what_both_measured() -> None:
