@@ -1,4 +1,4 @@
-"""Torments map files: `python -m tolman.scripts.torture kills|mutations|full|readonly|all`.
+"""Torments map files: `python -m tolman.scripts.torture kills|mutations|full|readonly|pairs|all`.
 
 Exit status 1 on a fault. POSIX only.
 
@@ -6,6 +6,7 @@ kills: a process that maps is killed (SIGKILL) at random moments; what it had re
 mutations: damaged and crafted files; each must be refused with one line or load what it truly held.
 full: the disk runs full; one clear error, and the last good state stays.
 readonly: the folder cannot be written; one clear error, the map in it can be read.
+pairs: maps of one world from different starts and sides; their nodes must be matched, other worlds' refused.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from pathlib import Path
 from .torture_disks import full, readonly
 from .torture_kills import kills
 from .torture_mutations import mutations
+from .torture_pairs import pairs
 
 FAULTS = (
     "does not open",
@@ -28,6 +30,10 @@ FAULTS = (
     "hangs",
     "crashes",
     "over the memory limit",
+    "nodes matched wrongly",
+    "matched across worlds",
+    "too few nodes matched",
+    "merged to something else",
 )
 
 
@@ -40,9 +46,11 @@ def faults(result: Counter[str]) -> list[str]:
 def main() -> int:
     """Runs the campaigns named on the command line and prints what happened."""
     parser = argparse.ArgumentParser(prog="torture", description=__doc__)
-    parser.add_argument("campaign", choices=["kills", "mutations", "full", "readonly", "all"])
+    parser.add_argument("campaign", choices=["kills", "mutations", "full", "readonly", "pairs", "all"])
     parser.add_argument("--kills", type=int, default=1000)
     parser.add_argument("--mutations", type=int, default=10_000)
+    parser.add_argument("--pairs", type=int, default=20)
+    parser.add_argument("--local-maps", type=int, default=2, help="maps of the pairs that have local maps")
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
     wrong: list[str] = []
@@ -52,6 +60,7 @@ def main() -> int:
             "mutations": lambda: mutations(options.mutations, options.seed, Path(name)),
             "full": lambda: full(Path(name)),
             "readonly": lambda: readonly(Path(name)),
+            "pairs": lambda: pairs(Path(name), options.pairs, options.seed, options.local_maps),
         }
         for campaign, run in campaigns.items():
             if options.campaign in (campaign, "all"):

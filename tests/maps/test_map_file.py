@@ -22,6 +22,7 @@ from tolman.scripts.torture_kills import kills
 from tolman.scripts.torture_maps import content_digest, map_made_up_world
 from tolman.scripts.torture_mutants import MUTATIONS
 from tolman.scripts.torture_mutations import mutations
+from tolman.scripts.torture_pairs import pairs
 
 GOLDEN = Path(__file__).parent / "data" / "version1.tolman"
 GOLDEN_DIGEST = (Path(__file__).parent / "data" / "version1.digest").read_text().strip()
@@ -283,3 +284,11 @@ def test_a_full_disk_gives_a_clear_error_and_can_be_resumed(tmp_path: Path) -> N
     result = full(tmp_path, range(300_000, 500_000, 190_000))
     assert result["ended with a clear error"] == result["runs"] == 2
     assert faults(result) == []
+
+
+def test_pairs_of_maps_are_judged_by_where_their_nodes_truly_are(tmp_path: Path) -> None:
+    result = pairs(tmp_path, count=1, seed=11, local_maps=0, engine="kinematic")
+    assert faults(result) == []
+    assert result["nodes matched rightly"] == result["nodes that both maps have"] >= 20
+    assert result["of those refused"] == result["pairs of different worlds"] == 2
+    assert result["merged to one closed boundary"] == 1
