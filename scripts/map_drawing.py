@@ -13,7 +13,8 @@ from ..world.arenas import find_world
 from ..world.base import WorldError
 from ..world.robot import Pose
 from ..world.spec import Shape
-from .plot import ArcLine, Drawing, Lattice, save_drawing
+from .drawing import ArcLine, Drawing, Lattice
+from .plot import save_drawing
 from .truth import read_map_truth
 
 
@@ -27,7 +28,7 @@ def lattice_of(local_map: LocalMap) -> Lattice:
     """What is drawn of a local map."""
     edges = [(int(a), int(b)) for a, b in local_map.edges]
     weights = np.asarray(local_map.metric.weights, dtype=float)
-    return Lattice(weights[:, :2], edges, np.asarray(local_map.hits) > 0)
+    return Lattice(weights[:, :2], edges, np.asarray(local_map.hits) > 0, local_map.blocked)
 
 
 def walls_of(hybrid: HybridMap, world: str | None, scale: float = 1.0) -> tuple[Shape, ...]:
@@ -63,7 +64,9 @@ def drawing_of(path: Path, world: str | None = None, scale: float = 1.0) -> Draw
         local_map = hybrid.local_map(node)
         if local_map is not None:
             lattices[node] = lattice_of(local_map)
-    arcs = [ArcLine(arc.start, arc.end, arc.distance) for arc in hybrid.arcs()]
+    arcs = [
+        ArcLine(arc.start, arc.end, arc.distance, arc.kind == "foray", arc.blocked) for arc in hybrid.arcs()
+    ]
     track: NDArray[np.float64] = truth.track if truth and known else np.empty((0, 2))
     return Drawing(
         title=title(hybrid, placed_by_truth=known),
@@ -72,6 +75,7 @@ def drawing_of(path: Path, world: str | None = None, scale: float = 1.0) -> Draw
         lattices=lattices,
         shapes=walls_of(hybrid, world, scale) if known else (),
         track=track,
+        corners={node: str(hybrid.graph.nodes[node]["corner"]) for node in hybrid.nodes()},
     )
 
 

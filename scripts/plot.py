@@ -6,112 +6,123 @@ The same content gives the same bytes: no dates, no random ids. Only this module
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
+from matplotlib.collections import LineCollection, PatchCollection
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle
+from matplotlib.patches import Circle, FancyArrowPatch, Patch
 from matplotlib.patches import Polygon as PolygonPatch
 from numpy.typing import NDArray
 
 from ..world.geometry import outline
-from ..world.robot import Pose
-from ..world.spec import Shape
+from ..world.robot import EPUCK, Pose
+from .drawing import ArcLine, Drawing, Lattice, extent, placed
 
-WALL, PATH, ARC, LATTICE, NODE = "#3b4252", "#d08770", "#2e7d32", "#5e81ac", "#bf616a"
+WALL, PATH, ARC, FORAY, BLOCKED = "#3b4252", "#e0a080", "#2e7d32", "#7b4ea3", "#d32f2f"
+LATTICE, FREE = "#44719f", "#e3edf7"
+NODE = "#bf616a"
+CORNERS = {"concave": NODE, "convex": "#c77d14", "none": "#747a86"}
+"""Colors of nodes by the corner they stand at; `none` is a place without one, such as on a round wall."""
+
 DOTS_PER_INCH = 130
 NO_DATES = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None, "Producer": None}}
 
 
-@dataclass(frozen=True, slots=True)
-class Lattice:
-    """A metric SOM: weights (units, 2) m in the node's frame, its kept edges, and which units were hit."""
-
-    weights: NDArray[np.float64]
-    edges: Sequence[tuple[int, int]]
-    hit: NDArray[np.bool_]
-
-
-@dataclass(frozen=True, slots=True)
-class ArcLine:
-    """An arc to draw, from node to node, with its distance (m) as the robot measured it."""
-
-    start: int
-    end: int
-    distance: float
-
-
-@dataclass(frozen=True, slots=True)
-class Drawing:
-    """Everything that is drawn, in one frame (m): the world's where the truth is known.
-
-    nodes: pose of each, heading = entry heading. track: (n, 2) m, the driven path, empty if not known.
-    """
-
-    title: str
-    nodes: Mapping[int, Pose]
-    arcs: Sequence[ArcLine] = ()
-    lattices: Mapping[int, Lattice] = field(default_factory=dict)
-    shapes: Sequence[Shape] = ()
-    track: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2)))
-    labels: Mapping[int, str] = field(default_factory=dict)
-
-
-def placed(weights: NDArray[np.float64], pose: Pose) -> NDArray[np.float64]:
-    """Points (n, 2) m of a node's frame in the frame of its pose."""
-    cosine, sine = math.cos(pose.heading), math.sin(pose.heading)
-    moved: NDArray[np.float64] = weights @ np.array([[cosine, sine], [-sine, cosine]]) + (pose.x, pose.y)
-    return moved
-
-
 def draw_lattice(axes: Axes, lattice: Lattice, pose: Pose) -> None:
-    """Draws one metric SOM: kept edges as lines, units as dots, hollow where no sample fell."""
+    """Draws one metric SOM: its free space, kept edges, units as dots, hollow where no sample fell."""
     points = placed(lattice.weights, pose)
-    lines = [(points[a], points[b]) for a, b in lattice.edges]
-    axes.add_collection(LineCollection(lines, colors=LATTICE, linewidths=0.7, zorder=3))
+    _draw_free_space(axes, lattice, points)
+    for blocked, color, width in ((False, LATTICE, 0.7), (True, BLOCKED, 1.4)):
+        lines = [(points[a], points[b]) for a, b in lattice.edges if ((a, b) in lattice.blocked) == blocked]
+        axes.add_collection(LineCollection(lines, colors=color, linewidths=width, zorder=3))
     for hit, color in ((True, LATTICE), (False, "white")):
         chosen = points[lattice.hit == hit]
         axes.scatter(chosen[:, 0], chosen[:, 1], s=5, c=color, edgecolors=LATTICE, linewidths=0.4, zorder=4)
 
 
+def _draw_free_space(axes: Axes, lattice: Lattice, points: NDArray[np.float64]) -> None:
+    """Shades what the robot's body covers on the free edges."""
+    radius = EPUCK.body_radius
+    patches: list[Patch] = [Circle((x, y), radius) for x, y in points[lattice.hit].tolist()]
+    for edge in lattice.edges:
+        start, end = points[edge[0]], points[edge[1]]
+        length = float(np.hypot(*(end - start)))
+        if edge not in lattice.blocked and length > 0.0:
+            aside = radius / length * np.array([start[1] - end[1], end[0] - start[0]])
+            patches.append(
+                PolygonPatch([start + aside, end + aside, end - aside, start - aside], closed=True)
+            )
+    axes.add_collection(PatchCollection(patches, facecolors=FREE, edgecolors="none", zorder=0.5))
+
+
 def draw_arcs(axes: Axes, drawing: Drawing, radius: float) -> None:
-    """Draws each pair of joined nodes once, and its distance in cm where the discs of nodes leave room."""
-    drawn: set[tuple[int, int]] = set()
-    for arc in drawing.arcs:
-        pair = (min(arc.start, arc.end), max(arc.start, arc.end))
-        if pair in drawn or not {arc.start, arc.end} <= drawing.nodes.keys():
+    """Draws each pair of joined nodes once a way, and its distance in cm where the discs leave room.
+
+    Ways along walls are lines; forays are dashed arrows, bent where a wall joins the two nodes as well.
+    """
+    drawn: set[tuple[int, int, bool]] = set()
+    for arc in sorted(drawing.arcs, key=lambda arc: arc.foray):
+        first, last = min(arc.start, arc.end), max(arc.start, arc.end)
+        if (first, last, arc.foray) in drawn or not {first, last} <= drawing.nodes.keys():
             continue
-        drawn.add(pair)
-        start, end = drawing.nodes[arc.start], drawing.nodes[arc.end]
-        axes.plot([start.x, end.x], [start.y, end.y], color=ARC, linewidth=2.4, zorder=2)
-        if start.distance_to(end) < 5 * radius:
-            continue
-        angle = math.degrees(math.atan2(end.y - start.y, end.x - start.x))
-        axes.text(
-            (start.x + end.x) / 2,
-            (start.y + end.y) / 2,
-            f"{100 * arc.distance:.0f} cm",
-            rotation=(angle + 90) % 180 - 90,
-            fontsize=6.5,
-            color=ARC,
-            ha="center",
-            va="center",
-            zorder=5,
-            bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.8},
+        drawn.add((first, last, arc.foray))
+        beside = arc.foray and (first, last, False) in drawn
+        draw_arc(axes, drawing, arc, radius, 0.25 if beside else 0.0)
+
+
+def draw_arc(axes: Axes, drawing: Drawing, arc: ArcLine, radius: float, bend: float) -> None:
+    """Draws one arc and, if there is room, its distance. bend: of a foray, as a share of its length."""
+    start, end = drawing.nodes[arc.start], drawing.nodes[arc.end]
+    color = BLOCKED if arc.blocked else FORAY if arc.foray else ARC
+    if arc.foray:
+        style = f"arc3,rad={bend}"
+        axes.add_patch(
+            FancyArrowPatch(
+                (start.x, start.y),
+                (end.x, end.y),
+                connectionstyle=style,
+                arrowstyle="-|>",
+                mutation_scale=9,
+                shrinkA=7,
+                shrinkB=7,
+                color=color,
+                linewidth=1.4,
+                linestyle=(0, (4, 2)),
+                zorder=2.6,
+            )
         )
+    else:
+        line = ":" if arc.blocked else "-"
+        axes.plot([start.x, end.x], [start.y, end.y], color=color, linewidth=2.4, linestyle=line, zorder=2)
+    if start.distance_to(end) < 5 * radius:
+        return
+    angle = math.degrees(math.atan2(end.y - start.y, end.x - start.x))
+    # matplotlib bends by half of `rad` times the length, to the right of the way.
+    aside = 0.5 * bend * np.array([end.y - start.y, start.x - end.x])
+    axes.text(
+        (start.x + end.x) / 2 + aside[0],
+        (start.y + end.y) / 2 + aside[1],
+        f"{100 * arc.distance:.0f} cm",
+        rotation=(angle + 89.0) % 180.0 - 89.0,  # read from below or from the right
+        fontsize=6.5,
+        color=color,
+        ha="center",
+        va="center",
+        zorder=5,
+        bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.85},
+    )
 
 
 def draw_nodes(axes: Axes, drawing: Drawing, radius: float) -> None:
-    """Draws each node as a numbered disc with a tick towards its entry heading."""
+    """Draws each node as a numbered disc, colored by its corner, with a tick towards its entry heading."""
     for node, pose in drawing.nodes.items():
+        color = _node_color(drawing, node)
         tip = pose.compose(1.9 * radius, 0.0)
-        axes.plot([pose.x, tip.x], [pose.y, tip.y], color=NODE, linewidth=2.0, zorder=6)
-        axes.add_patch(Circle((pose.x, pose.y), radius, fc=NODE, ec="white", lw=0.8, zorder=7))
+        axes.plot([pose.x, tip.x], [pose.y, tip.y], color=color, linewidth=2.0, zorder=6)
+        axes.add_patch(Circle((pose.x, pose.y), radius, fc=color, ec="white", lw=0.8, zorder=7))
         axes.text(
             pose.x,
             pose.y,
@@ -125,15 +136,31 @@ def draw_nodes(axes: Axes, drawing: Drawing, radius: float) -> None:
         )
 
 
+def _node_color(drawing: Drawing, node: int) -> str:
+    return CORNERS.get(drawing.corners.get(node, "concave"), CORNERS["none"])
+
+
 def legend(axes: Axes, drawing: Drawing) -> None:
-    """Explains what is drawn, below the picture."""
-    keys = [axes.plot([], [], "o", color=NODE, markersize=7, label="node, with entry heading")[0]]
-    if drawing.arcs:
-        keys.append(axes.plot([], [], color=ARC, linewidth=2.4, label="arc, as measured")[0])
+    """Explains what is drawn, below the picture; nothing that is not."""
+    found = {drawing.corners.get(node, "concave") for node in drawing.nodes}
+    names = {"concave": "node at a concave corner", "convex": "node at a convex corner", "none": "other node"}
+    keys = [
+        axes.plot([], [], "o", color=CORNERS[corner], markersize=7, label=names[corner])[0]
+        for corner in CORNERS
+        if corner in found
+    ]
+    ways = (
+        (any(not arc.foray for arc in drawing.arcs), ARC, "-", 2.4, "arc along a wall, as measured"),
+        (any(arc.foray for arc in drawing.arcs), FORAY, "--", 1.4, "foray across open space"),
+        (any(arc.blocked for arc in drawing.arcs), BLOCKED, ":", 2.4, "blocked"),
+        (len(drawing.track) > 0, PATH, "-", 0.9, "path truly driven"),
+    )
+    for there, color, line, width, name in ways:
+        if there:
+            keys.append(axes.plot([], [], line, color=color, linewidth=width, label=name)[0])
     if drawing.lattices:
         keys.append(axes.plot([], [], ".-", color=LATTICE, linewidth=0.8, label="metric SOM")[0])
-    if len(drawing.track):
-        keys.append(axes.plot([], [], color=PATH, linewidth=0.9, label="path truly driven")[0])
+        keys.append(axes.plot([], [], "s", color=FREE, markersize=7, label="free space it knows")[0])
     if drawing.shapes:
         keys.append(axes.plot([], [], "s", color=WALL, markersize=7, label="wall")[0])
     axes.legend(
@@ -141,30 +168,17 @@ def legend(axes: Axes, drawing: Drawing) -> None:
     )
 
 
-def extent(drawing: Drawing) -> tuple[float, float, float, float]:
-    """Least and largest x and y (m) of what is drawn, with a margin."""
-    places = [np.array([[pose.x, pose.y] for pose in drawing.nodes.values()]).reshape(-1, 2), drawing.track]
-    places += [np.array(outline(shape)) for shape in drawing.shapes]
-    places += [placed(lattice.weights, drawing.nodes[node]) for node, lattice in drawing.lattices.items()]
-    points = np.concatenate([place[np.isfinite(place).all(axis=1)] for place in places])
-    if not len(points):
-        points = np.zeros((1, 2))
-    least, most = points.min(axis=0), points.max(axis=0)
-    margin = 0.03 * max(float((most - least).max()), 0.2)
-    return least[0] - margin, most[0] + margin, least[1] - margin, most[1] + margin
-
-
 def compose_figure(drawing: Drawing) -> Figure:
     """The whole picture as a matplotlib figure that no window and no global state knows."""
     left, right, bottom, top = extent(drawing)
     width = 7.2
-    height = min(14.0, max(3.5, width * (top - bottom) / (right - left))) + 1.0
+    height = min(14.0, max(3.5, width * (top - bottom) / (right - left))) + 1.3
     figure = Figure(figsize=(width, height), layout="constrained")
     axes = figure.add_subplot()
     for shape in drawing.shapes:
         axes.add_patch(PolygonPatch(outline(shape), closed=True, fc=WALL, ec=WALL, lw=0.5, zorder=1))
     if len(drawing.track):
-        axes.plot(drawing.track[:, 0], drawing.track[:, 1], color=PATH, lw=0.7, zorder=2.5)
+        axes.plot(drawing.track[:, 0], drawing.track[:, 1], color=PATH, lw=0.8, zorder=1.5)
     for node, lattice in drawing.lattices.items():
         draw_lattice(axes, lattice, drawing.nodes[node])
     radius = (0.016 if len(drawing.nodes) <= 12 else 0.011) * (right - left)

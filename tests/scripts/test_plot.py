@@ -3,19 +3,15 @@
 import math
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from tolman.scripts.plot import (
-    ArcLine,
-    Drawing,
-    Lattice,
-    compose_figure,
-    extent,
-    placed,
-    save_drawing,
-)
+from matplotlib.colors import to_rgba
+from matplotlib.patches import Circle
+from tolman.scripts.drawing import ArcLine, Drawing, Lattice, extent, placed
+from tolman.scripts.plot import BLOCKED, CORNERS, FORAY, compose_figure, save_drawing
 from tolman.world.robot import Pose
 from tolman.world.spec import Box, Cylinder, room_walls
 
@@ -75,3 +71,34 @@ def test_the_command_line_does_not_load_matplotlib_until_it_draws() -> None:
     program = "import sys, tolman.scripts.cmd_map, tolman.scripts.cmd_go; print('matplotlib' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout == "False\n"
+
+
+def test_the_legend_names_what_is_drawn_and_nothing_else() -> None:
+    drawing = sample()
+    plain = compose_figure(drawing).axes[0].get_legend()
+    assert plain is not None
+    names = {text.get_text() for text in plain.get_texts()}
+    assert "wall" in names
+    assert not {"blocked", "foray across open space", "node at a convex corner"} & names
+    arcs = [*drawing.arcs, ArcLine(0, 2, 1.2, foray=True), ArcLine(1, 3, 1.2, foray=True, blocked=True)]
+    more = compose_figure(replace(drawing, arcs=arcs, corners={0: "convex", 1: "none"})).axes[0].get_legend()
+    assert more is not None
+    names = {text.get_text() for text in more.get_texts()}
+    assert {"blocked", "foray across open space", "node at a convex corner", "other node"} <= names
+
+
+def test_forays_blocked_arcs_and_corners_have_colors_of_their_own() -> None:
+    arcs = [ArcLine(0, 1, 0.9), ArcLine(0, 1, 1.0, foray=True), ArcLine(2, 3, 0.9, blocked=True)]
+    figure = compose_figure(replace(sample(), arcs=arcs, corners={0: "convex"}))
+    texts = {text.get_text(): text for text in figure.axes[0].texts}
+    assert texts["100 cm"].get_color() == FORAY
+    assert texts["100 cm"].get_position() != texts["90 cm"].get_position()
+    blocked = [line for line in figure.axes[0].lines if line.get_color() == BLOCKED]
+    assert len([line for line in blocked if np.size(line.get_xdata()) == 2]) == 1
+    discs = [patch.get_facecolor() for patch in figure.axes[0].patches if isinstance(patch, Circle)]
+    assert to_rgba(CORNERS["convex"]) in discs
+
+
+def test_labels_of_arcs_are_read_from_below_or_from_the_right() -> None:
+    texts = [text for text in compose_figure(sample()).axes[0].texts if text.get_text() == "88 cm"]
+    assert sorted(round(text.get_rotation()) for text in texts) == [0, 0, 90, 90]
