@@ -8,7 +8,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from .infrared import TOP, InfraredModel
+from .draws import Draws, normal, uniform
+from .infrared import InfraredModel
 from .noise import Noise, streams
 from .robot import CONTROL_PERIOD, STOP, Image, Percept, Pose, RobotGeometry, WheelCommand
 from .sensing import Line, Sensing
@@ -47,6 +48,12 @@ class SimulatedRobot:
         self._geometry = geometry
         self._noise = noise
         self._random = streams(seed, index)
+        self._draws = {
+            "encoder": Draws(self._random["encoder"], uniform, 2),
+            "slip": Draws(self._random["slip"], uniform, 2),
+            "infrared": Draws(self._random["infrared"], normal, len(geometry.infrared_angles)),
+            "accelerometer": Draws(self._random["accelerometer"], normal, 3),
+        }
         self._command = STOP
         self._encoders = (0.0, 0.0)
         self._velocity = (0.0, 0.0)
@@ -58,7 +65,7 @@ class SimulatedRobot:
             for name in ("infrared", "encoders", "accelerometer", "camera")
         }
         self._direct = all(getattr(sensing, name).ticks(name) == (0, 1) for name in self._lines)
-        self._deviation = world.infrared_model().deviation(noise)
+        self._deviations = world.infrared_model().deviations(noise)
         self._infrared_noisy = noise.infrared > 0.0 or noise.infrared_floor > 0.0
         self.radius_factors = _radius_factors(noise, self._random["mismatch"])
         """True over nominal radius of the left and the right wheel in this run."""
@@ -101,7 +108,7 @@ class SimulatedRobot:
         left = self._command.left * scale * self.radius_factors[0]
         right = self._command.right * scale * self.radius_factors[1]
         if self._noise.slip > 0.0:
-            first, second = self._random["slip"].random(2).tolist()
+            first, second = self._draws["slip"].row()
             left *= 1.0 - self._noise.slip * first
             right *= 1.0 - self._noise.slip * second
         return left, right
@@ -110,7 +117,7 @@ class SimulatedRobot:
         """Takes in one tick that has passed: counts the encoders and samples the sensors at the true pose."""
         left, right = self._command.left * CONTROL_PERIOD, self._command.right * CONTROL_PERIOD
         if self._noise.encoder > 0.0:
-            first, second = self._random["encoder"].random(2).tolist()
+            first, second = self._draws["encoder"].row()
             left *= 1.0 + self._noise.encoder * (2.0 * first - 1.0)
             right *= 1.0 + self._noise.encoder * (2.0 * second - 1.0)
         self._encoders = (self._encoders[0] + left, self._encoders[1] + right)
@@ -144,14 +151,7 @@ class SimulatedRobot:
         values = self._world.infrared_values(self._index, pose)
         if not self._infrared_noisy:
             return tuple(values)
-        draws = self._random["infrared"].standard_normal(len(values)).tolist()
-        deviation = self._deviation
-        return tuple(
-            [
-                min(max(value + deviation(value) * draw, 0.0), TOP)
-                for value, draw in zip(values, draws, strict=True)
-            ]
-        )
+        return self._deviations.disturbed(values, self._draws["infrared"].row())
 
     def _acceleration(self, pose: Pose, velocity: tuple[float, float]) -> Triple:
         """The mean over the tick, (x, y, z) m/s^2 in the robot's frame, gravity included."""
@@ -160,8 +160,9 @@ class SimulatedRobot:
         cosine, sine = math.cos(pose.heading), math.sin(pose.heading)
         ahead, left, up = cosine * east + sine * north, cosine * north - sine * east, GRAVITY
         if self._noise.accelerometer > 0.0:
-            errors = (self._random["accelerometer"].standard_normal(3) * self._noise.accelerometer).tolist()
-            return ahead + errors[0], left + errors[1], up + errors[2]
+            first, second, third = self._draws["accelerometer"].row()
+            size = self._noise.accelerometer
+            return ahead + first * size, left + second * size, up + third * size
         return ahead, left, up
 
     def state(self) -> dict[str, Any]:
@@ -184,7 +185,10 @@ class SimulatedRobot:
                 *map(list, (percept.infrared, percept.encoders, percept.accelerometer)),
             ],
             "lines": lines,
-            "random": {name: random.bit_generator.state for name, random in self._random.items()},
+            "random": {
+                name: self._draws[name].state if name in self._draws else random.bit_generator.state
+                for name, random in self._random.items()
+            },
         }
 
     def restore(self, state: Mapping[str, Any]) -> None:
@@ -203,7 +207,10 @@ class SimulatedRobot:
             made = Pose if name == "camera" else _tuple
             line.restore([(tick, made(*value)) for tick, value in state["lines"][name]])
         for name, random in self._random.items():
-            random.bit_generator.state = state["random"][name]
+            if name in self._draws:
+                self._draws[name].state = state["random"][name]
+            else:
+                random.bit_generator.state = state["random"][name]
 
 
 def _radius_factors(noise: Noise, random: np.random.Generator) -> tuple[float, float]:

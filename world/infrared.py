@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -126,10 +126,15 @@ class InfraredModel:
             self.range,
             self.rays,
         )
+        nothing = self._nothing[:rays]
         means = []
         for first in range(0, len(distances), rays):
+            own = distances[first : first + rays]
+            if own == nothing:
+                means.append(FLOOR)
+                continue
             total = 0.0
-            for distance in distances[first : first + rays]:
+            for distance in own:
                 if distance >= limit:
                     total += FLOOR
                 elif distance <= 0.0:
@@ -140,26 +145,35 @@ class InfraredModel:
             means.append(total / rays)
         return means
 
-    def deviation(self, noise: Noise) -> Callable[[float], float]:
-        """The standard deviation of the noise at a raw value, linear between the rows of the response."""
-        values: list[float] = [FLOOR, *reversed(self._values)]
-        deviations = [
-            noise.infrared_floor,
-            *(
-                value * relative * noise.infrared
-                for value, relative in zip(reversed(self._values), reversed(self._relative), strict=True)
-            ),
+    def deviations(self, noise: Noise) -> Deviations:
+        """The noise of the sensors: at each raw value of the response, its share of that value."""
+        values, relative = reversed(self._values), reversed(self._relative)
+        rows = [
+            (value, value * share * noise.infrared) for value, share in zip(values, relative, strict=True)
         ]
-        slopes: list[float] = [
-            (high - low) / (above - below)
-            for (below, above), (low, high) in zip(pairwise(values), pairwise(deviations), strict=True)
-        ]
-        last = len(slopes) - 1
+        return Deviations([(FLOOR, noise.infrared_floor), *rows])
 
-        def at(value: float) -> float:
-            if value <= FLOOR:
-                return deviations[0]
-            index = min(bisect_right(values, value) - 1, last)
-            return deviations[index] + slopes[index] * (value - values[index])
 
-        return at
+class Deviations:
+    """Standard deviations of the noise by raw value, linear between rows."""
+
+    def __init__(self, rows: Sequence[tuple[float, float]]) -> None:
+        """rows: (raw value, standard deviation), values rising."""
+        self._values = [value for value, _ in rows]
+        self._deviations = [deviation for _, deviation in rows]
+        self._slopes = [(high - low) / (above - below) for (below, low), (above, high) in pairwise(rows)]
+
+    def disturbed(self, raw: Sequence[float], draws: Sequence[float]) -> tuple[float, ...]:
+        """Raw values with noise, for draws of a standard normal distribution; 0 to TOP."""
+        values, deviations, slopes = self._values, self._deviations, self._slopes
+        lowest, last = values[0], len(slopes) - 1
+        disturbed = []
+        for value, draw in zip(raw, draws, strict=True):
+            if value <= lowest:
+                noisy = value + deviations[0] * draw
+            else:
+                row = bisect_right(values, value) - 1
+                row = last if row > last else row
+                noisy = value + (deviations[row] + slopes[row] * (value - values[row])) * draw
+            disturbed.append(0.0 if noisy < 0.0 else TOP if noisy > TOP else noisy)
+        return tuple(disturbed)

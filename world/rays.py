@@ -9,6 +9,7 @@ from typing import Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from .base import EngineMissingError
 from .geometry import Floats
 from .scene import Faces, Ints
 
@@ -149,7 +150,12 @@ def embree_available() -> bool:
 
 
 def make_caster(faces: Faces, engine: str = "auto") -> Caster:
-    """The caster for `engine`: "embree", "numpy", or "auto" for the first that is installed."""
+    """The caster for `engine`: "embree", "numpy", or "auto" for the first that is installed.
+
+    Raises: EngineMissingError when Embree is asked for and not installed.
+    """
+    if engine == "embree" and not embree_available():
+        raise EngineMissingError("the ray engine 'embree' needs embreex: pip install embreex; or use 'numpy'")
     if engine == "embree" or (engine == "auto" and embree_available()):
         return EmbreeCaster(faces)
     return NumpyCaster(faces)

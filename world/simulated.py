@@ -14,6 +14,7 @@ from .base import PlacementError, SimulationError, WorldError
 from .epuck import SimulatedRobot
 from .geometry import Clearing, Plan
 from .infrared import InfraredModel
+from .infrared_rays import InfraredCaster
 from .moving import Moving
 from .noise import Noise
 from .robot import CONTROL_PERIOD, EPUCK, Image, Pose, RobotGeometry
@@ -62,6 +63,7 @@ class SimulatedWorld(ABC):
             if lowest >= self._infrared.height
             else Plan(spec.shapes, min_height=self._infrared.height)
         )
+        self._caster = InfraredCaster(self._infrared, spec.shapes, rays) if rays != "auto" else None
         touch = geometry.body_radius + TOUCH
         self._clearings = [Clearing(self._plan, touch, LOOK_AHEAD) for _ in starts]
         self._tick = 0
@@ -164,12 +166,19 @@ class SimulatedWorld(ABC):
 
     def infrared_values(self, index: int, pose: Pose) -> list[float]:
         """Noise-free raw values of one robot's eight sensors at a pose."""
-        edges = self._seen.edges_near(pose.x, pose.y, self._infrared.reach)
-        if self._moving.count > 1:
-            edges = edges + self._moving.edges_near(
-                index, pose, self._poses, self._movable_poses, self._infrared
-            )
-        return self._infrared.read(pose, edges)
+        moving = (
+            self._moving.edges_near(index, pose, self._poses, self._movable_poses, self._infrared)
+            if self._moving.count > 1
+            else []
+        )
+        if self._caster is None:
+            fixed = self._seen.edges_near(pose.x, pose.y, self._infrared.reach)
+            return self._infrared.read(pose, fixed + moving if moving else fixed)
+        distances = self._caster.distances(pose)
+        if moving:
+            others = self._infrared.distances(pose, moving)
+            distances = [min(pair) for pair in zip(distances, others, strict=True)]
+        return self._infrared.values(distances)
 
     def infrared_model(self) -> InfraredModel:
         """The response of the infrared sensors."""
