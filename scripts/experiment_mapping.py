@@ -97,6 +97,7 @@ def run_mapping(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         result["docked"] = [list(pair) for pair in exploration.docked]
         result["estimates"] = {str(node): list(place) for node, place in lap.estimates.items()}
         result["trained"] = getattr(run, "trained", [])
+        result["examples"] = getattr(run, "examples", [])
         result["closing"] = _closing(run)
         result["views"] = _views(run)
     os.replace(growing, path)

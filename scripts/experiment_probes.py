@@ -30,6 +30,7 @@ _AWAY, _CLOSE, _PAST = 0.40, 0.08, 0.03
 _SAME_WAY = math.radians(60.0)
 CONFIGURATIONS = {"batch": DEFAULT, "configuration 1": THESIS_1, "configuration 2": THESIS_LOCAL_MAP}
 METRIC_SIZES = (3, 5, 10)
+EXAMPLES = 4
 
 
 class LapProbe:
@@ -146,6 +147,33 @@ def training(samples: LocalSamples, seed: int, node: int) -> dict[str, Any]:
     return found
 
 
+def example(samples: LocalSamples, seed: int, node: int) -> dict[str, Any]:
+    """One local map's samples and what every configuration makes of them, to draw (figures 4.7, 4.9 to 4.11).
+
+    positions, views: (n, 2) m, local frame. metric: weights (units, 2) m by configuration and size.
+    perceptual: the unit of each view, by configuration; all as JSON values.
+    """
+    places = samples.positions / DEFAULT.size + 0.5
+    views = samples.panoramas.reshape(len(samples.panoramas), -1).astype(np.float64)
+    metric, perceptual = {}, {}
+    for name, config in CONFIGURATIONS.items():
+        for size in METRIC_SIZES if name == "batch" else (config.rows,):
+            random = np.random.default_rng(np.random.SeedSequence([seed, node]))
+            som = SOM(size, size, config.topology).fit(places, config.metric, random)
+            metric[f"{name}, {size}x{size}"] = np.round((som.weights - 0.5) * DEFAULT.size, 4).tolist()
+        if len(views):
+            random = np.random.default_rng(np.random.SeedSequence([seed, node]))
+            som = SOM(config.rows, config.cols, config.topology).fit(views, config.perceptual, random)
+            perceptual[name] = som.winners(views).tolist()
+    return {
+        "node": node,
+        "positions": np.round(samples.positions, 4).tolist(),
+        "views": np.round(samples.panorama_positions, 4).tolist(),
+        "metric": metric,
+        "perceptual": perceptual,
+    }
+
+
 def _trained(
     data: np.ndarray[Any, np.dtype[np.float64]],
     config: LocalMapConfig,
@@ -173,9 +201,13 @@ class TrainingRun(MappingRun):
     """A mapping that also trains every configuration of table 4.8 on what each local map was made of."""
 
     trained: list[dict[str, Any]]
+    examples: list[dict[str, Any]]
+    """Of the first local maps."""
 
     def _build(self, samples: LocalSamples, entry_heading: float) -> LocalMap:
         if not hasattr(self, "trained"):
-            self.trained = []
+            self.trained, self.examples = [], []
+        if len(self.examples) < EXAMPLES:
+            self.examples.append(example(samples, self.request.seed, self.mapper.current))
         self.trained.append(training(samples, self.request.seed, self.mapper.current))
         return super()._build(samples, entry_heading)
