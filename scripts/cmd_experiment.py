@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 DESCRIPTION = """Runs experiments of chapter 4 of the thesis in both profiles and prints their figures beside
 the published ones. NAME is table-N for N = 4.2, 4.3, 4.5, 4.6, 4.10, 4.12, 4.14, 4.15, 4.16, 4.18, `all`
 (these) or `smoke` (these, but one run in one environment). Beyond the thesis, profile `default` alone:
-`variants` (rooms turned, mirrored, scaled, imported; more noise), `ablation` (each remedy off in turn).
+`variants` (rooms turned, mirrored, scaled, imported; more noise), `ablation` (each remedy off in turn),
+`unseen` (rooms and mazes drawn from seeds).
 
 Finished runs are kept in the work folder, with their maps; the same command goes on where it was interrupted,
 and --finished-only reports what there is. Results do not depend on --jobs. Seeds below 1000 are meant for

@@ -14,10 +14,11 @@ from .experiment_plan import ENVIRONMENTS, Outcome, Plan, plan_for, run_plan
 from .experiment_report import report_text, report_values
 from .experiment_running import Running, versions
 from .experiment_study import Asked, Results, Study, run_study
+from .experiment_unseen import UNSEEN
 from .experiment_variants import VARIANTS
 from .experiment_worlds import import_world
 
-STUDIES: Mapping[str, Study] = MappingProxyType({study.name: study for study in (VARIANTS, ABLATION)})
+STUDIES: Mapping[str, Study] = MappingProxyType({study.name: study for study in (VARIANTS, ABLATION, UNSEEN)})
 """What there is beyond the thesis's tables, by name."""
 
 

@@ -1,6 +1,7 @@
 """The worlds of experiments by name: built in, changed, or imported into the work folder.
 
-"env1", "env1 rotated", "epuck_world.wbt", "map.yaml x0.4": a world's name, then what is done to it.
+"env1", "env1 rotated", "epuck_world.wbt", "map.yaml x0.4": a world's name, then what is done to it; "random
+17": the room drawn from that seed.
 """
 
 from __future__ import annotations
@@ -17,10 +18,12 @@ from ..world.base import WorldError
 from ..world.spec import WorldSpec
 from ..world.transforms import mirrored, rotated, scaled
 from .cli_errors import UsageError
+from .random_rooms import random_room
 
 ODD_ANGLE = math.radians(17.0)
 """No multiple of it up to a full turn is near a right angle's."""
 NOISIER = 1.5
+RANDOM = "random"
 CHANGES: Mapping[str, Callable[[WorldSpec], WorldSpec]] = MappingProxyType(
     {
         "rotated": lambda spec: rotated(spec, ODD_ANGLE),
@@ -38,6 +41,8 @@ _SUFFIXES = {".yaml", ".yml", ".wbt", ".txt"}
 def experiment_world(name: str, folder: Path) -> WorldSpec:
     """The world of that name. folder: the work folder. Raises: WorldError and its kinds."""
     base, change = split(name)
+    if base == RANDOM:
+        return random_room(int(change))
     scale = _SCALE.fullmatch(change)
     world: str | Path = base if base in built_in_worlds() else _imported(folder) / base
     if scale is not None:
