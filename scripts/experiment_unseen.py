@@ -66,8 +66,8 @@ def _report(asked: Asked, results: Results) -> str:
         low = share(good, total)[1]
         reached = "reached" if good >= WANTED * total else "**not** reached"
         text += (
-            f" Mapped, closed rightly and driven to the end: **{good} of {total}** (at least {100 * low:.0f} % "
-            f"with 95 % confidence); target {100 * WANTED:.0f} %, {reached}."
+            f" Mapped, closed rightly and driven to the end: **{good} of {total}** (at least {100 * low:.0f} "
+            f"% with 95 % confidence); target {100 * WANTED:.0f} %, {reached}."
         )
     names = ("map error (cm)", "end, not corrected (cm)")
     scores = [score for score in SCORES if score.name in names]
