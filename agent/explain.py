@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from ..world.robot import CONTROL_PERIOD
-from .recording import Recording
+from .recording import RecordedTick, Recording
 
 _QUIET = ("time",)
 
@@ -15,16 +15,24 @@ _QUIET = ("time",)
 def timeline(recording: Recording, *, changes_only: bool = False) -> Iterator[str]:
     """One line an event, then how long each behavior drove. changes_only: changes of control alone.
 
-    A change of control is told with who wanted what: `wander (0.30: driving a leg)`.
+    A change of control is told with who wanted what: `wander (0.30: driving a leg)`. The world's further
+    robots follow, each after a line with its number.
     """
-    for tick in recording.ticks:
+    yield from _told(recording.ticks, changes_only)
+    for index, ticks in enumerate(recording.others, start=1):
+        yield f"robot {index}:"
+        yield from _told(ticks, changes_only)
+
+
+def _told(recorded: Sequence[RecordedTick], changes_only: bool) -> Iterator[str]:
+    for tick in recorded:
         for text in tick.events:
             event = json.loads(text)
             line = describe_event(event)
             if changes_only and event.get("$") != "ControlChanged":
                 continue
             yield f"{event.get('time', tick.percept.time):9.3f} s  {line}"
-    yield from _shares(recording)
+    yield from _shares(recorded)
 
 
 def describe_event(event: Mapping[str, Any]) -> str:
@@ -80,9 +88,9 @@ def _value(value: Any) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def _shares(recording: Recording) -> Iterable[str]:
+def _shares(recorded: Sequence[RecordedTick]) -> Iterable[str]:
     ticks: dict[str, int] = {}
-    for tick in recording.ticks:
+    for tick in recorded:
         driver = tick.driver or "nobody"
         ticks[driver] = ticks.get(driver, 0) + 1
     total = sum(ticks.values())

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from .agent import Agent
 from .codec import dumps
 from .errors import RecordingError
 from .events import Event
+
+if TYPE_CHECKING:
+    from mcap.writer import Writer
 
 VERSION = 1
 _FIELDS: dict[str, dict[str, str]] = {
@@ -38,41 +41,19 @@ _FIELDS: dict[str, dict[str, str]] = {
 }
 
 
-class Recorder:
-    """Stands between an agent and its robot and keeps what passes. `close` completes the file.
-
-    Attach it to a new agent, before anything is started: what was published before is not in it.
-    """
+class RecordedRobot:
+    """Stands between an agent and its robot and keeps what passes."""
 
     def __init__(
-        self,
-        path: Path,
-        agent: Agent,
-        header: Mapping[str, Any],
-        truth: Callable[[], Pose] | None = None,
-        attachments: Mapping[str, bytes] | None = None,
+        self, writer: Writer, agent: Agent, truth: Callable[[], Pose] | None = None, prefix: str = ""
     ) -> None:
-        """header: JSON values that say how the run is made again. truth: the robot's true pose, for `/truth`.
-
-        attachments: files the run began with, by name, such as the map of a trip.
-        """
-        from mcap.writer import CompressionType, Writer
-
-        self._file = path.open("wb")
-        self._writer = Writer(self._file, compression=CompressionType.ZSTD)
-        self._writer.start(profile="tolman", library="tolman")
-        self._agent, self._robot, self._truth = agent, agent.robot, truth
-        self._channels = {topic: self._register(topic, fields) for topic, fields in _FIELDS.items()}
+        """prefix: before the topics of all robots but the first."""
+        self._writer, self._agent, self._robot, self._truth = writer, agent, agent.robot, truth
+        self._channels = {topic: self._register(topic, fields, prefix) for topic, fields in _FIELDS.items()}
         self._counts = dict.fromkeys(_FIELDS, 0)
         self._tick = -1
-        self._closed = False
-        for name, content in (attachments or {}).items():
-            self._writer.add_attachment(0, 0, name, "application/octet-stream", content)
-        self._writer.add_metadata(
-            "tolman", {"version": str(VERSION), "header": json.dumps(header, sort_keys=True)}
-        )
         agent.robot = self
-        agent.bus.subscribe(Event, self._hear)
+        self._subscription = agent.bus.subscribe(Event, self._hear)
 
     # --- Robot -----------------------------------------------------------------------------------------
 
@@ -128,17 +109,13 @@ class Recorder:
 
     # --- the file --------------------------------------------------------------------------------------
 
-    def close(self) -> None:
-        """Writes the index and closes the file; the agent gets its robot back. Twice does no harm."""
-        if not self._closed:
-            self._closed = True
-            self._writer.finish()  # type: ignore[no-untyped-call]
-            self._file.close()
-            self._agent.robot = self._robot
+    def release(self) -> None:
+        """Keeps no more; the agent gets its robot back."""
+        self._subscription.cancel()
+        self._agent.robot = self._robot
 
     def _hear(self, event: Event) -> None:
-        if not self._closed:
-            self._put_text("/event", f'{{"event":{dumps(event)},"tick":{self._tick}}}')
+        self._put_text("/event", f'{{"event":{dumps(event)},"tick":{self._tick}}}')
 
     def _put(self, topic: str, value: Mapping[str, Any]) -> None:
         self._put_text(topic, json.dumps(value, separators=(",", ":")))
@@ -148,11 +125,54 @@ class Recorder:
         count = self._counts[topic] = self._counts[topic] + 1
         self._writer.add_message(self._channels[topic], now, text.encode(), now, count)
 
-    def _register(self, topic: str, fields: Mapping[str, str]) -> int:
+    def _register(self, topic: str, fields: Mapping[str, str], prefix: str) -> int:
         properties = {name: {"type": kind} for name, kind in fields.items()}
         schema = json.dumps({"type": "object", "properties": properties}).encode()
         schema_id = self._writer.register_schema(f"tolman{topic.replace('/', '.')}", "jsonschema", schema)
-        return self._writer.register_channel(topic, "json", schema_id)
+        return self._writer.register_channel(prefix + topic, "json", schema_id)
+
+
+class Recorder:
+    """Keeps what passes between agents and their robots in a file. `close` completes it.
+
+    Attach it to a new agent, before anything is started: what was published before is not in it.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        agent: Agent,
+        header: Mapping[str, Any],
+        truth: Callable[[], Pose] | None = None,
+        attachments: Mapping[str, bytes] | None = None,
+        others: Sequence[tuple[Agent, Callable[[], Pose] | None]] = (),
+    ) -> None:
+        """header: JSON values that say how the run is made again. truth: the robot's true pose, for `/truth`.
+
+        attachments: files the run began with, by name, such as the map of a trip. others: further robots of
+        the same world, with their truth; what passes there is under `/robot1`, `/robot2`, ...
+        """
+        from mcap.writer import CompressionType, Writer
+
+        self._file = path.open("wb")
+        self._writer = writer = Writer(self._file, compression=CompressionType.ZSTD)
+        writer.start(profile="tolman", library="tolman")
+        self._robots = [RecordedRobot(writer, agent, truth)]
+        for name, content in (attachments or {}).items():
+            writer.add_attachment(0, 0, name, "application/octet-stream", content)
+        writer.add_metadata("tolman", {"version": str(VERSION), "header": json.dumps(header, sort_keys=True)})
+        for index, (other, its_truth) in enumerate(others, start=1):
+            self._robots.append(RecordedRobot(writer, other, its_truth, f"/robot{index}"))
+        self._closed = False
+
+    def close(self) -> None:
+        """Writes the index and closes the file; the agents get their robots back. Twice does no harm."""
+        if not self._closed:
+            self._closed = True
+            for robot in self._robots:
+                robot.release()
+            self._writer.finish()  # type: ignore[no-untyped-call]
+            self._file.close()
 
 
 def described_proposals(agent: Agent) -> list[list[Any]]:
@@ -185,12 +205,16 @@ class RecordedTick:
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """A recorded run. early: events from before the first tick, as text."""
+    """A recorded run. early: events from before the first tick, as text.
+
+    ticks: of the first robot; others: of the world's further ones, in order.
+    """
 
     header: Mapping[str, Any]
     ticks: list[RecordedTick]
     attachments: Mapping[str, bytes]
     early: list[str]
+    others: tuple[list[RecordedTick], ...] = ()
 
 
 def read_recording(path: Path) -> Recording:
@@ -219,15 +243,26 @@ def _read(path: Path) -> Recording:
         attachments = {record.name: record.data for record in reader.iter_attachments()}
         ticks: list[RecordedTick] = []
         early: list[str] = []
+        others: dict[int, list[RecordedTick]] = {}
         for topic, text in _messages(reader):
+            if topic.startswith("/robot"):
+                index, _, rest = topic.removeprefix("/robot").partition("/")
+                _take(others.setdefault(int(index), []), f"/{rest}", json.loads(text))
+                continue
             value = json.loads(text)
-            if topic == "/percept":
-                ticks.append(RecordedTick(_percept(value)))
-            elif not ticks:
+            if not ticks and topic != "/percept":
                 early.append(text)
             else:
-                _fill(ticks[-1], topic, value)
-        return Recording(header, ticks, attachments, early)
+                _take(ticks, topic, value)
+        return Recording(header, ticks, attachments, early, tuple(others[index] for index in sorted(others)))
+
+
+def _take(ticks: list[RecordedTick], topic: str, value: Mapping[str, Any]) -> None:
+    """Adds a message to the ticks of its robot."""
+    if topic == "/percept":
+        ticks.append(RecordedTick(_percept(value)))
+    elif ticks:
+        _fill(ticks[-1], topic, value)
 
 
 def _messages(reader: Any) -> Iterator[tuple[str, str]]:
@@ -268,4 +303,4 @@ def _fill(tick: RecordedTick, topic: str, value: Mapping[str, Any]) -> None:
         tick.truth = Pose(value["x"], value["y"], value["heading"])
 
 
-_: type[Robot] = Recorder  # a recorder is a robot
+_: type[Robot] = RecordedRobot  # what keeps what a robot does is one

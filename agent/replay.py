@@ -48,15 +48,19 @@ class ReplayRobot:
     difference: the first one found, None as long as there is none. ticks: how many were the same.
     """
 
-    def __init__(self, recording: Recording) -> None:
-        """Raises: RecordingError for a robot whose geometry is not known here, or an empty recording."""
+    def __init__(self, recording: Recording, index: int = 0) -> None:
+        """index: which of the recorded robots.
+
+        Raises: RecordingError for a robot whose geometry is not known here, or an empty recording.
+        """
         name = str(recording.header.get("geometry", EPUCK.name))
         if name not in _GEOMETRIES:
             raise RecordingError(f"the recorded robot is a {name!r}; known: {', '.join(_GEOMETRIES)}")
         if not recording.ticks:
             raise RecordingError("the recording has no ticks")
         self._geometry = _GEOMETRIES[name]
-        self._ticks = recording.ticks
+        self._ticks = recording.ticks if index == 0 else recording.others[index - 1]
+        self._acted = False
         self._agent: Agent | None = None
         self._events: list[str] = []
         self._looks = 0
@@ -98,17 +102,24 @@ class ReplayRobot:
         agent = self._agent
         if agent is None:
             raise RecordingError("nobody watches the replayed agent: call watch(agent)")
+        self._acted = True
         self._compare("images taken", len(then.images), self._looks)
         self._compare("proposals", then.proposals, described_proposals(agent))
         self._compare("driver", then.driver, agent.driver)
         self._compare("command", then.command, command)
 
     def step(self) -> None:
-        """Compares the tick's events and goes on to the next tick. Raises: ReplayEnded at a difference."""
+        """Compares the tick's events and goes on to the next tick, if anything was done in this one.
+
+        Raises: ReplayEnded at a difference.
+        """
+        if not self._acted:
+            return  # a session that was resumed lets its world step before the first tick
         then, now = self.recorded.events, self._events
         for index in range(max(len(then), len(now))):
             self._compare("event", _item(then, index), _item(now, index))
         now.clear()
+        self._acted = False
         self._looks = 0
         self.ticks += 1
 
@@ -124,14 +135,16 @@ class ReplayWorld:
 
     def __init__(self, recording: Recording, spec: Any = None) -> None:
         """spec: of the recorded world, for a session that asks for it."""
-        self.robot = ReplayRobot(recording)
+        count = 1 + len(recording.others)
+        self.robots: Sequence[ReplayRobot] = tuple(ReplayRobot(recording, index) for index in range(count))
+        self.robot = self.robots[0]
         self.spec = spec
         self.seed = int(recording.header.get("seed", 0))
 
     @property
-    def robots(self) -> Sequence[ReplayRobot]:
-        """The one robot that was recorded."""
-        return (self.robot,)
+    def difference(self) -> Difference | None:
+        """The first one found on any of the robots."""
+        return next((robot.difference for robot in self.robots if robot.difference is not None), None)
 
     @property
     def time(self) -> float:
@@ -140,11 +153,12 @@ class ReplayWorld:
 
     def step(self) -> None:
         """One tick of the recording."""
-        self.robot.step()
+        for robot in self.robots:
+            robot.step()
 
     def true_pose(self, robot: int = 0) -> Pose:
         """Where the robot truly was."""
-        return self.robot.recorded.truth or Pose()
+        return self.robots[robot].recorded.truth or Pose()
 
     def collisions(self, robot: int = 0) -> int:
         """Not recorded."""
@@ -156,6 +170,9 @@ class ReplayWorld:
     def state(self) -> Mapping[str, Any]:
         """Nothing of the world is here."""
         return {}
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """What a resumed session goes back to is in the percepts."""
 
     def close(self) -> None:
         """Nothing to free."""

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -41,13 +42,20 @@ def map_world(request: MapRequest, progress: Callable[[Progress], None] = lambda
     settings = load_settings(request.config)
     world = make_world(request, request.world, settings, request.start or request.side)
     try:
+        before = unfinished(request.output) if request.record is not None and request.resume else {}
         with open_map_file(request, world) as file:
             run = MappingRun(request, world, file, settings, profile, progress)
-            with recorded(request.record, "map", request, run.agent, world):
+            with recorded(request.record, "map", request, run.agent, world, before):
                 run.drive()
             return run.report()
     finally:
         world.close()
+
+
+def unfinished(path: Path) -> dict[str, bytes]:
+    """A map file as it is and what a killed writer left beside it, by name: what a mapping goes on from."""
+    beside = {"map": path, "map-wal": path.with_name(f"{path.name}-wal")}
+    return {name: file.read_bytes() for name, file in beside.items() if file.is_file()}
 
 
 def open_map_file(request: MapRequest, world: World) -> MapFile:

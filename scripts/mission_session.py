@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from collections.abc import Callable
 from hashlib import sha256
 from importlib.metadata import version
@@ -26,6 +27,11 @@ from .mission_site import RobotSite
 from .record_run import recorded
 from .requests import MapRequest, Progress
 from .wiring import load_settings, make_world
+
+JOURNAL = "journal"
+"""What attachments of a recording are called that are a resumed mission's journal, before their ending."""
+_KEPT = re.compile(r"\.state|\.\d+\.tolman")
+"""Endings of what stands beside a journal."""
 
 
 class MissionSession:
@@ -164,11 +170,12 @@ def run_mission(
     world = make_world(request, request.world or _world_of(request), settings, _start(request))
     try:
         session = MissionSession(request, world, settings)
+        before = _attachments(request)
         journal = Journal(request.journal, mission=mission.name, resume=request.resume, before=session.keep)
         if request.resume and len(journal):
             session.restore()
-        agent = session.sites[0].agent
-        with recorded(request.record, "mission", request, agent, world, _attachments(request)):
+        agent, *others = [site.agent for site in session.sites]
+        with recorded(request.record, "mission", request, agent, world, before, others):
             return session.run(mission, journal, progress)
     finally:
         world.close()
@@ -190,8 +197,17 @@ def _start(request: MissionRequest) -> Pose | str | None:
 
 
 def _attachments(request: MissionRequest) -> dict[str, bytes]:
+    """The files a mission begins with, by name: of one that is resumed also those beside its journal."""
     files = {"mission": request.mission, "map": request.map}
-    return {name: path.read_bytes() for name, path in files.items() if path is not None}
+    kept = {name: path.read_bytes() for name, path in files.items() if path is not None}
+    journal = request.journal
+    if journal is not None and request.resume and journal.exists():
+        kept[JOURNAL] = journal.read_bytes()
+        for path in sorted(journal.parent.iterdir()):
+            ending = path.name.removeprefix(journal.name)
+            if ending != path.name and _KEPT.fullmatch(ending):
+                kept[JOURNAL + ending] = path.read_bytes()
+    return kept
 
 
 def _beside(path: Path, ending: str) -> Path:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -23,11 +24,12 @@ def recorded(
     agent: Agent,
     world: World,
     attachments: Mapping[str, bytes] | None = None,
+    others: Sequence[Agent] = (),
 ) -> Iterator[None]:
     """Records what happens inside to `path`; does nothing for None.
 
     kind: "map", "go" or "mission". request: the session's, with all that makes it again. To be entered when
-    the agent is made and nothing is started yet.
+    the agent is made and nothing is started yet. others: the agents of the world's further robots.
     """
     if path is None:
         yield
@@ -43,7 +45,9 @@ def recorded(
         "geometry": agent.robot.geometry.name,
         "version": version("tolman"),
     }
-    recorder = Recorder(path, agent, header, world.true_pose, attachments)
+    truths = [partial(world.true_pose, index) for index in range(len(world.robots))]
+    further = list(zip(others, truths[1:], strict=False))
+    recorder = Recorder(path, agent, header, truths[0], attachments, further)
     try:
         yield
     finally:

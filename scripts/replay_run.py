@@ -20,7 +20,7 @@ from ..world.arenas import find_world
 from ..world.robot import Pose
 from .mapping_run import MappingRun, open_map_file
 from .mission_requests import MissionRequest
-from .mission_session import MissionSession
+from .mission_session import JOURNAL, MissionSession
 from .profiles import find_profile, make_navigator
 from .requests import GoRequest, MapRequest, Progress
 from .trip_run import Trip, start_of
@@ -60,16 +60,22 @@ def replay(path: Path) -> ReplayReport:
     with contextlib.suppress(ReplayEnded), tempfile.TemporaryDirectory() as folder:
         _REPLAYS[kind](recording, world, Path(folder))
     complete = sum(tick.command is not None for tick in recording.ticks)
-    return ReplayReport(kind, world.robot.ticks, complete, world.robot.difference)
+    return ReplayReport(kind, world.robot.ticks, complete, world.difference)
 
 
 def _replay_mapping(recording: Recording, world: ReplayWorld, folder: Path) -> None:
-    if recording.header["request"].get("resume"):
-        raise RecordingError("a mapping that was resumed cannot be replayed: its beginning is not recorded")
+    output = folder / "replayed.tolman"
+    resumed = bool(recording.header["request"].get("resume"))
+    if resumed and "map" not in recording.attachments:
+        raise RecordingError(
+            "a mapping that was resumed, recorded by a tolman that did not keep its beginning"
+        )
+    for name, content in recording.attachments.items():
+        output.with_name(output.name + name.removeprefix("map")).write_bytes(content)
     values = _common(dict(recording.header["request"]), MapRequest)
     values |= {
-        "output": folder / "replayed.tolman",
-        "resume": False,
+        "output": output,
+        "resume": resumed,
         "force": False,
         "start": None,
         "record": None,
@@ -85,8 +91,8 @@ def _replay_mapping(recording: Recording, world: ReplayWorld, folder: Path) -> N
 
 
 def _replay_mission(recording: Recording, world: ReplayWorld, folder: Path) -> None:
-    if int(recording.header.get("robots", 1)) > 1:
-        raise RecordingError("a mission of several robots cannot be replayed: only the first is recorded")
+    if int(recording.header.get("robots", 1)) != 1 + len(recording.others):
+        raise RecordingError("a mission of several robots, recorded by a tolman that kept only the first")
     asked = dict(recording.header["request"])
     script = folder / Path(str(asked["mission"])).name
     script.write_bytes(recording.attachments["mission"])
@@ -95,12 +101,29 @@ def _replay_mission(recording: Recording, world: ReplayWorld, folder: Path) -> N
     if "map" in recording.attachments:
         values["map"] = folder / "map.tolman"
         values["map"].write_bytes(recording.attachments["map"])
+    values["journal"] = _resumed_journal(recording, folder)
     request = MissionRequest(**values)
     stage = cast(World, world)
     session = MissionSession(request, stage, dict(recording.header["settings"]), folder / "saved")
-    world.robot.watch(session.sites[0].agent)
-    session.run(Mission.load(script), Journal(), _silent)
+    mission = Mission.load(script)
+    journal = Journal(request.journal, mission=mission.name, resume=True)
+    if len(journal):
+        session.restore()
+    for robot, site in zip(world.robots, session.sites, strict=True):
+        robot.watch(site.agent)
+    session.run(mission, journal, _silent)
     world.step()  # the last tick's events
+
+
+def _resumed_journal(recording: Recording, folder: Path) -> Path | None:
+    """The journal that the recorded mission went on from, with what stood beside it; None: it began anew."""
+    if JOURNAL not in recording.attachments:
+        return None
+    path = folder / JOURNAL
+    for name, content in recording.attachments.items():
+        if name.startswith(JOURNAL):
+            path.with_name(name).write_bytes(content)
+    return path
 
 
 def _replay_trip(recording: Recording, world: ReplayWorld, folder: Path) -> None:

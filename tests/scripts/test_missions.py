@@ -3,18 +3,22 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import cast
 
 import pytest
 from tolman.agent.errors import MissionError
 from tolman.agent.explain import timeline
 from tolman.agent.mission_dry_run import dry_run
+from tolman.agent.mission_journal import Journal
 from tolman.agent.missions import Mission
 from tolman.agent.recording import read_recording
+from tolman.agent.replay import ReplayEnded, ReplayWorld
 from tolman.maps.hybrid_map import HybridMap
 from tolman.maps.map_file import read_truth
 from tolman.scripts.mission_requests import MissionReport, MissionRequest
-from tolman.scripts.mission_session import run_mission
+from tolman.scripts.mission_session import MissionSession, run_mission
 from tolman.scripts.replay_run import replay
+from tolman.world import World
 from tolman.world.robot import Pose
 
 EXAMPLES = Path(__file__).parents[2] / "scripts" / "missions"
@@ -127,8 +131,10 @@ def test_a_mission_goes_on_after_a_restart_where_it_was(mapped: Path, tmp_path: 
     assert run_mission(cut).status == "cancelled"
     done = [json.loads(line) for line in journal.read_text().splitlines()[1:]]
     assert 1 <= len(done) < 3
-    report = run_mission(replace(cut, max_time=None, resume=True))
+    report = run_mission(replace(cut, max_time=None, resume=True, record=tmp_path / "run"))
     assert (report.status, report.steps_done) == ("done", 3)
+    journal.unlink()
+    assert replay(tmp_path / "run").identical
     assert report.sim_time_s < 1.7 * whole.sim_time_s
 
 
@@ -150,9 +156,30 @@ def test_a_recorded_mission_replays_to_the_bit_and_writes_nothing(mapped: Path, 
 
 def test_two_robots_share_one_map(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    report = request(EXAMPLES / "two_robots.py", world=str(EXAMPLES / "two_robots_world.yaml"))
+    record = tmp_path / "run"
+    report = request(EXAMPLES / "two_robots.py", world=str(EXAMPLES / "two_robots_world.yaml"), record=record)
     assert (report.status, report.reason) == ("done", "")
     assert len(HybridMap.load(tmp_path / "shared.tolman").nodes()) == 10
+    recording = read_recording(record)
+    assert [len(ticks) for ticks in recording.others] == [len(recording.ticks)]
+    assert replay(record).identical
+    assert "robot 1:" in list(timeline(recording))
+
+
+def test_a_difference_is_found_on_any_of_the_robots(tmp_path: Path) -> None:
+    path = write(tmp_path, "steps: [as: {robot: 1, steps: [race: [do: wander, wait: 1]]}]")
+    request(path, world=str(EXAMPLES / "two_robots_world.yaml"), record=tmp_path / "run")
+    recording = read_recording(tmp_path / "run")
+    recording.others[0][9].driver = "somebody"
+    world = ReplayWorld(recording)
+    asked = MissionRequest(mission=path, engine="kinematic", noise="encoder", global_only=True)
+    session = MissionSession(asked, cast(World, world), {})
+    for robot, site in zip(world.robots, session.sites, strict=True):
+        robot.watch(site.agent)
+    with pytest.raises(ReplayEnded):
+        session.run(Mission.load(path), Journal(), lambda progress: None)
+    assert world.difference is not None
+    assert (world.difference.tick, world.difference.recorded) == (9, "somebody")
 
 
 @pytest.mark.parametrize(("world", "status"), [("env1-textured", "done"), ("env1", "failed")])

@@ -52,6 +52,22 @@ def test_so_does_one_with_a_local_map(run: MapRequest, tmp_path: Path) -> None:
     assert any(tick.images for tick in read_recording(tmp_path / "r").ticks)
 
 
+def test_so_does_one_that_was_resumed(run: MapRequest, tmp_path: Path) -> None:
+    begun = replace(run, output=tmp_path / "m", record=None, max_nodes=3)
+    assert map_world(begun).nodes == 3
+    map_world(replace(begun, max_nodes=None, resume=True, record=tmp_path / "r"))
+    assert (tmp_path / "m").read_bytes() == run.output.read_bytes()
+    (tmp_path / "m").unlink()
+    report = replay(tmp_path / "r")
+    assert (report.identical, report.difference) == (True, None)
+    assert 0 < report.ticks < replay_length(run)
+
+
+def replay_length(run: MapRequest) -> int:
+    assert run.record is not None
+    return len(read_recording(run.record).ticks)
+
+
 def test_recording_changes_nothing(run: MapRequest, tmp_path: Path) -> None:
     map_world(replace(run, output=tmp_path / "m", record=None))
     assert (tmp_path / "m").read_bytes() == run.output.read_bytes()
