@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .experiment_plan import GLOBAL, LOCAL, REFERENCE, Outcome, Plan
+from .experiment_plan import FIRST_SEED, GLOBAL, LOCAL, REFERENCE, Outcome, Plan
 from .experiment_rows import Measured, Row, rows_of
 from .experiment_summary import KINDS, cost, lost_runs, runs_made, verdict
 from .experiment_tables import TABLES
@@ -13,6 +13,10 @@ from .experiment_training import TrainingRow, training_reached, training_rows
 from .published import PUBLISHED
 from .summary import markdown_table
 
+TUNED = {
+    False: "those below 1000 were used for tuning, none of these.",
+    True: "**these were used for tuning** (those below 1000).",
+}
 _YES = {True: "yes", False: "**no**", None: ""}
 
 
@@ -99,8 +103,9 @@ def _introduction(plan: Plan, versions: Mapping[str, str]) -> str:
             "[experiments.md](experiments.md). Version of the code by kind of run: "
             + ", ".join(f"{kind} {version}" for kind, version in versions.items())
             + ".",
-            f"Seeds {plan.first_seed} to {last - 1}, every second one follows the left wall; those below "
-            "1000 were used for tuning, none of these. Noise preset `thesis`, robot model `wheels`.",
+            f"Seeds {plan.first_seed} to {last - 1}, every second one follows the left wall; "
+            + TUNED[plan.first_seed < FIRST_SEED]
+            + " Noise preset `thesis`, robot model `wheels`.",
             "Cells: mean [95 % interval of the mean] (worst). *Reproduced*: the mean of profile `thesis` "
             "lies within the published least and greatest value. *Reached*: profile `default` keeps its "
             "target.",

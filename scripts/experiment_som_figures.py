@@ -47,7 +47,7 @@ def _most_open(result: Result) -> list[dict[str, Any]]:
 
 def metric_figure(shown: list[tuple[Job, dict[str, Any]]], work: Path) -> Figure:
     """Samples, and metric SOMs of three sizes and both published configurations; a row a local map."""
-    names = list(shown[0][1]["metric"])
+    names = sorted(shown[0][1]["metric"], key=lambda name: (name.rpartition(", ")[0], len(name), name))
     figure = Figure(figsize=(2.2 * (1 + len(names)), 2.35 * len(shown)), layout="constrained")
     grid = figure.subplots(len(shown), 1 + len(names), squeeze=False)
     for row, (job, example) in zip(grid, shown, strict=True):

@@ -76,10 +76,10 @@ def test_a_run_that_did_not_get_round_is_counted_and_not_averaged() -> None:
     assert found["got round"].reached is False
 
 
-def test_the_distance_is_compared_with_the_noise_free_run_of_the_same_side() -> None:
+def test_the_distance_is_compared_with_the_one_noise_free_run_along_the_right_wall() -> None:
     found = outcome(GLOBAL, "default", [mapping(0.0, loop_distance_m=4.5), mapping(0.0, loop_distance_m=4.7)])
     free = outcome(
-        REFERENCE, "default", [mapping(0.0, loop_distance_m=4.6), mapping(0.0, loop_distance_m=4.6)]
+        REFERENCE, "default", [mapping(0.0, loop_distance_m=4.6), mapping(0.0, loop_distance_m=9.9)]
     )
     both = Outcome({**found.results, **free.results}, {**found.jobs, **free.jobs})
     measured = rows("4.2", both, "default")["distance against the noise-free run"].measured["default"]
