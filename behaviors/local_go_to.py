@@ -25,7 +25,7 @@ class LocalGoToConfig:
     """
 
     speed: float = 233.0
-    turn_speed: float = 233.0
+    turn_speed: float = 450.0
     fix_speed: float = 150.0
     margin: float = 0.006
 

@@ -79,7 +79,8 @@ PROFILES: Mapping[str, Profile] = MappingProxyType(
                             "panorama_interval": 0.04,
                             "turn_speed": 300.0,
                         }
-                    )
+                    ),
+                    "local-go-to": MappingProxyType({"turn_speed": 233.0}),
                 }
             ),
             mapper="turns",
