@@ -13,6 +13,7 @@ from .boundary import Boundary, boundaries, mean_angle
 from .errors import NoMatchError
 from .hybrid_map import HybridMap
 from .local_map import LocalMap
+from .placing import Frames, has_place
 
 LEAST_MATCHED = 0.6
 """Share of the nodes of the larger closed boundary (of the smaller one, if either is open) to be matched."""
@@ -81,7 +82,8 @@ def compare(one: HybridMap, other: HybridMap) -> Comparison:
 
     Raises: NoMatchError when they seem to be of different worlds, or match in more than one way.
     """
-    left, right = boundaries(one), boundaries(other)
+    left = sorted(boundaries(one), key=lambda boundary: has_place(one, boundary))  # those of islands last
+    right = sorted(boundaries(other), key=lambda boundary: has_place(other, boundary))
     if not left or not right:
         raise NoMatchError(
             "a map without a boundary (two nodes joined by right-hand arcs) cannot be compared"
@@ -89,18 +91,17 @@ def compare(one: HybridMap, other: HybridMap) -> Comparison:
     matched: dict[int, int] = {}
     best, rival = _decide(one, left[0], other, right[0])
     matched.update(_nodes(left[0], right[0], best))
+    frames = Frames(one, other, matched, rotation(one, other, matched))
     taken = {0}
     for boundary in left[1:]:  # free-standing obstacles: matched when clear, left out when not
         for index, partner in enumerate(right):
             if index in taken:
                 continue
-            try:
-                found, _ = _decide(one, boundary, other, partner)
-            except NoMatchError:
-                continue
-            matched.update(_nodes(boundary, partner, found))
-            taken.add(index)
-            break
+            pairs = _obstacle(one, boundary, other, partner, frames)
+            if pairs:
+                matched.update(pairs)
+                taken.add(index)
+                break
     return Comparison(
         matched,
         tuple(node for node in one.nodes() if node not in matched),
@@ -110,6 +111,19 @@ def compare(one: HybridMap, other: HybridMap) -> Comparison:
         best.score,
         rival,
     )
+
+
+def _obstacle(
+    one: HybridMap, left: Boundary, other: HybridMap, right: Boundary, frames: Frames
+) -> dict[int, int]:
+    """The matched nodes of a free-standing obstacle: by its place if both maps know it, else by its shape."""
+    if has_place(one, left) and has_place(other, right):
+        found = frames.match(left, right)
+        return found if len(found) >= LEAST_MATCHED * max(len(left), len(right)) else {}
+    try:
+        return _nodes(left, right, _decide(one, left, other, right)[0])
+    except NoMatchError:
+        return {}
 
 
 def _nodes(one: Boundary, other: Boundary, alignment: Alignment) -> dict[int, int]:

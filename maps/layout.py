@@ -8,9 +8,14 @@ from .hybrid_map import HybridMap
 
 Point = tuple[float, float]
 
+PLACE = "place_m"
+"""Note of a node of a boundary that a foray found: its x, y (m) in the map frame."""
+
 
 def layout(hybrid: HybridMap) -> dict[int, Point]:
-    """x, y (m) of every node in the map frame, the lowest node of each part at (0, 0) and parts side by side.
+    """x, y (m) of every node in the map frame: the first part begins at (0, 0), others lie where a note says.
+
+    Parts without such a note (`PLACE`) are set side by side.
 
     An arc of the side mapped with leaves a node along its entry heading plus its turn, straight on. What is
     missing when a loop comes back to its start is spread over its arcs by length. For pictures: navigation
@@ -33,10 +38,30 @@ def layout(hybrid: HybridMap) -> dict[int, Point]:
             chain.append(arc.end)
         if back == start:
             _spread(hybrid, chain, part, position, side)
-        shift = offset - min(x for x, _ in part.values()) if places else 0.0
-        places.update({node: (x + shift, y) for node, (x, y) in part.items()})
+        known = _known_place(hybrid, part)
+        aside = offset - min(x for x, _ in part.values()) if places else 0.0
+        dx, dy = (aside, 0.0) if known is None else known
+        places.update({node: (x + dx, y + dy) for node, (x, y) in part.items()})
         offset = max(x for x, _ in places.values()) + 0.5
     return places
+
+
+def _known_place(hybrid: HybridMap, part: dict[int, Point]) -> Point | None:
+    """By how much a part is to be moved so that a node with a note lies where that says; None without one."""
+    for node, (x, y) in part.items():
+        place = hybrid.graph.nodes[node]["notes"].get(PLACE)
+        if is_point(place):
+            return float(place[0]) - x, float(place[1]) - y
+    return None
+
+
+def is_point(value: object) -> bool:
+    """Notes are free: anything may stand there."""
+    return (
+        isinstance(value, list)
+        and len(value) == 2
+        and all(isinstance(number, (int, float)) and math.isfinite(number) for number in value)
+    )
 
 
 def _starts(hybrid: HybridMap, side: str) -> list[int]:

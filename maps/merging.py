@@ -6,8 +6,10 @@ from dataclasses import fields, replace
 
 from .comparing import Comparison, compare
 from .hybrid_map import Arc, HybridMap
+from .layout import PLACE, is_point
 from .local_content import LocalMapContent
 from .local_map import LocalMap
+from .placing import Frames
 
 SLACK = 0.05
 """Meters by which two ways along the same wall may differ, besides a fifth of their length."""
@@ -20,7 +22,8 @@ def merge(one: HybridMap, other: HybridMap, comparison: Comparison | None = None
     """A new map in the one's frame and numbering: its nodes, the other's further nodes, what both measured.
 
     An arc both have gets the mean of their distances, weighted by traversals. Where one map has a corner on a
-    stretch that the other drove through, the finer of the two stays. Of two local maps the one's is kept.
+    stretch that the other drove through, the finer of the two stays. Of two local maps the one's is kept, and
+    of two forays. Forays of a map made along the other side are left out: they are told along that wall.
 
     Raises: NoMatchError.
     """
@@ -32,15 +35,20 @@ def merge(one: HybridMap, other: HybridMap, comparison: Comparison | None = None
     for arc in one.arcs():
         _put(merged, arc)
     number = {partner: node for node, partner in found.matched.items()}
+    frames = Frames(one, other, found.matched, found.rotation)
     for partner, node in number.items():
         if merged.graph.nodes[node]["local_map"] is None:
             merged.graph.nodes[node]["local_map"] = _turned(other, partner, found.rotation)
             merged.graph.nodes[node]["entry_heading"] = _heading(other, partner, found.rotation)
     for partner in found.only_other:
-        number[partner] = _add(merged, one, other, partner, found.rotation)
+        number[partner] = _add(merged, one, other, partner, found.rotation, frames)
     for arc in other.arcs():
+        if arc.kind == "foray" and one.meta.side != other.meta.side:
+            continue  # how it is driven is told along the other wall
         moved = replace(arc, start=number[arc.start], end=number[arc.end])
         if merged.graph.has_edge(moved.start, moved.end, moved.kind):
+            if arc.kind == "foray":
+                continue  # another way across between the same nodes
             _put(merged, _pooled(merged.arc(moved.start, moved.end, moved.kind), moved))
         elif not _drives_through(merged, moved):
             _put(merged, moved)
@@ -85,7 +93,9 @@ def _turned(other: HybridMap, partner: int, rotation: float) -> LocalMap | None:
     return LocalMap(LocalMapContent(**{**content, "entry_heading": local.entry_heading - rotation}))
 
 
-def _add(merged: HybridMap, one: HybridMap, other: HybridMap, partner: int, rotation: float) -> int:
+def _add(
+    merged: HybridMap, one: HybridMap, other: HybridMap, partner: int, rotation: float, frames: Frames
+) -> int:
     data = other.graph.nodes[partner]
     sign = 1.0 if one.meta.side == other.meta.side else -1.0
     node = merged.add_node(
@@ -95,6 +105,8 @@ def _add(merged: HybridMap, one: HybridMap, other: HybridMap, partner: int, rota
         local_map=_turned(other, partner, rotation),
         notes=data["notes"],
     )
+    if is_point(place := data["notes"].get(PLACE)):
+        merged.annotate(node, **{PLACE: list(frames.moved((place[0], place[1])))})
     names = {entry["name"] for _, entry in merged.graph.nodes(data=True)}
     if data["name"] != f"n{partner}" and data["name"] not in names:
         merged.rename(node, data["name"])

@@ -10,7 +10,9 @@ from tolman.maps.boundary import boundaries
 from tolman.maps.comparing import compare
 from tolman.maps.errors import NoMatchError
 from tolman.maps.hybrid_map import HybridMap
+from tolman.maps.layout import PLACE, layout
 from tolman.maps.merging import merge
+from tolman.maps.placing import Frames
 
 from .rooms import Room, map_of, random_room
 
@@ -158,3 +160,69 @@ def test_merging_leaves_both_maps_as_they_were() -> None:
     before = [list(one.arcs()), list(other.arcs()), one.nodes(), other.nodes()]
     merge(one, other)
     assert [list(one.arcs()), list(other.arcs()), one.nodes(), other.nodes()] == before
+
+
+def add_block(hybrid: HybridMap, place: tuple[float, float], heading: float) -> list[int]:
+    """A square block that a foray from node 0 has found; its four nodes. place, heading: of the first one."""
+    turn = -math.pi / 2 if hybrid.meta.side == "right" else math.pi / 2
+    nodes = [
+        hybrid.add_node(corner="convex", turn=turn, entry_heading=heading + index * turn)
+        for index in range(4)
+    ]
+    for index, node in enumerate(nodes):
+        hybrid.add_arc(node, nodes[(index + 1) % 4], hybrid.meta.side, 0.25)
+    hybrid.annotate(nodes[0], **{PLACE: [*place]})
+    notes = {"crossing": {"turn": 1}}
+    hybrid.add_arc(0, nodes[0], hybrid.meta.side, 0.5, kind="foray", both_ways=False, notes=notes)
+    return nodes
+
+
+def two_maps_with_a_block(sides: tuple[str, str]) -> tuple[HybridMap, HybridMap, list[int], list[int]]:
+    """Both know the block, each from another of its corners on."""
+    one, _ = map_of(random_room(3), 0, sides[0], seed=1)
+    other, _ = map_of(random_room(3), 7, sides[1], seed=2)
+    found = compare(one, other)
+    back = Frames(other, one, {b: a for a, b in found.matched.items()}, -found.rotation)
+    first = add_block(one, (0.5, 0.6), 0.2)
+    places = layout(one)
+    start = 2 if sides[0] == sides[1] else 3
+    x, y = back.moved(places[first[start]])
+    heading = one.graph.nodes[first[start]]["entry_heading"] + found.rotation
+    if sides[0] != sides[1]:
+        heading += one.graph.nodes[first[start]]["turn"] + math.pi
+    return one, other, first, add_block(other, (x + 0.03, y - 0.02), heading)
+
+
+@pytest.mark.parametrize("sides", [("right", "right"), ("right", "left"), ("left", "right")])
+def test_a_block_that_matches_in_four_ways_is_matched_by_its_place(sides: tuple[str, str]) -> None:
+    one, other, first, second = two_maps_with_a_block(sides)
+    found = compare(one, other)
+    assert len(found.matched) == 28
+    expected = [(2 + index) % 4 for index in range(4)] if sides[0] == sides[1] else [3, 2, 1, 0]
+    assert [found.matched[first[corner]] for corner in expected] == second
+    merged = merge(one, other, found)
+    assert len(merged.graph) == 28
+    assert len(boundaries(merged)) == 2
+
+
+def test_a_block_of_the_other_map_is_added_at_its_place_in_the_one_frame() -> None:
+    one, other, first, second = two_maps_with_a_block(("right", "right"))
+    expected = layout(one)
+    for node in first:
+        one.remove_node(node)
+    found = compare(one, other)
+    assert set(found.only_other) == set(second)
+    merged = merge(one, other, found)
+    places = layout(merged)
+    added = [node for node in merged.nodes() if node not in one.graph]
+    for node, corner in zip(added, [2, 3, 0, 1], strict=True):
+        assert math.dist(places[node], expected[first[corner]]) < 0.08
+    forays = [arc for arc in merged.arcs() if arc.kind == "foray"]
+    assert [arc.end for arc in forays] == [added[0]]
+    assert forays[0].notes == {"crossing": {"turn": 1}}
+
+
+def test_forays_of_a_map_made_along_the_other_side_are_left_out() -> None:
+    one, other, first, _ = two_maps_with_a_block(("right", "left"))
+    forays = [arc for arc in merge(one, other).arcs() if arc.kind == "foray"]
+    assert [(arc.start, arc.end) for arc in forays] == [(0, first[0])]
