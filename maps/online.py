@@ -7,7 +7,8 @@ weights are multiplied out once at the end. Exact up to rounding; the cost does 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 
@@ -28,38 +29,48 @@ def train_online(
     return run(lattice, weights, samples, config, order)
 
 
-def _gains(lattice: Lattice, config: OnlineConfig) -> Iterator[tuple[Floats | None, float]]:
-    """For each step: the (units, units) table of gains by winner (None: the winner alone), and the rate."""
-    rates, radii = config.rates(), config.radii()
-    near = lattice.steps
-    bubble = (near <= config.radius).astype(np.float64)
-    spread = -0.5 * lattice.squared_distances
-    for rate, radius in zip(rates.tolist(), radii.tolist(), strict=True):
+Near = Callable[[int], Floats]
+"""(units,) how much each unit moves along with a winner, 1 for the winner itself."""
+
+
+def _gains(lattice: Lattice, config: OnlineConfig) -> Iterator[tuple[Near | None, float]]:
+    """For each step: who moves along with the winner (None: the winner alone), and the rate."""
+    bubble = (lattice.steps <= config.radius).astype(np.float64)
+    squared = lattice.squared_distances
+    last, table = 0.0, bubble
+    for rate, radius in zip(config.rates().tolist(), config.radii().tolist(), strict=True):
         if config.neighborhood == "bubble":
-            yield (bubble if radius > 0.0 else None), rate
+            yield (bubble.__getitem__ if radius > 0.0 else None), rate
         elif radius < 0.12:  # exp(-1 / (2 * 0.12^2)) is 1e-15: nobody but the winner moves
             yield None, rate
-        else:
-            yield spread / (radius * radius), rate
+        elif radius != last:
+            last, table = radius, np.empty(0)
+            yield partial(_gaussian, squared, -0.5 / (radius * radius)), rate
+        else:  # it has ceased to shrink: one table serves all further steps
+            table = table if len(table) else np.exp(squared * (-0.5 / (radius * radius)))
+            yield table.__getitem__, rate
+
+
+def _gaussian(squared: Floats, factor: float, winner: int) -> Floats:
+    return np.asarray(np.exp(squared[winner] * factor))
 
 
 def _direct(
     lattice: Lattice, weights: Floats, samples: Floats, config: OnlineConfig, order: Ints
 ) -> tuple[Floats, int, bool]:
     weights = weights.copy()
-    gaussian = config.neighborhood == "gaussian"
     count, moved, step = len(samples), 0.0, 0
-    for step, (index, (table, rate)) in enumerate(
+    for step, (index, (near, rate)) in enumerate(
         zip(order.tolist(), _gains(lattice, config), strict=True), 1
     ):
         difference = samples[index] - weights
         squared = np.einsum("ij,ij->i", difference, difference)
         winner = int(squared.argmin())
-        if table is None:
+        if near is None:
             weights[winner] += rate * difference[winner]
             moved += rate * float(squared[winner]) ** 0.5
         else:
-            gain = rate * (np.exp(table[winner]) if gaussian else table[winner])
+            gain = rate * near(winner)
             weights += gain[:, None] * difference
             moved += float(gain @ np.sqrt(squared))
         if step % count == 0:
@@ -75,14 +86,13 @@ def _gram(
     between = squared_distances(samples, samples)
     apart = squared_distances(weights, samples)
     gains = np.zeros((config.max_steps, lattice.units))
-    gaussian = config.neighborhood == "gaussian"
     count, moved, step, converged = len(samples), 0.0, 0, False
-    for step, (index, (table, rate)) in enumerate(
+    for step, (index, (near, rate)) in enumerate(
         zip(order.tolist(), _gains(lattice, config), strict=True), 1
     ):
         squared = apart[:, index]
         winner = int(squared.argmin())
-        if table is None:
+        if near is None:
             gains[step - 1, winner] = rate
             own, row = float(squared[winner]), apart[winner]
             row *= 1.0 - rate
@@ -90,7 +100,7 @@ def _gram(
             moved += rate * max(own, 0.0) ** 0.5
         else:
             gain = gains[step - 1]
-            np.multiply(np.exp(table[winner]) if gaussian else table[winner], rate, out=gain)
+            np.multiply(near(winner), rate, out=gain)
             keep = 1.0 - gain
             moved += float(gain @ np.sqrt(np.maximum(squared, 0.0)))
             offset = gain * keep * squared
