@@ -7,41 +7,63 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..world.robot import wrap_angle
+from .boundary import BEND
 from .events import CornerReached, WallMet
 
 if TYPE_CHECKING:
     from .agent import Agent
 
-_SETTLED = 0.03
+SETTLED = 0.03
 """Meters of a wall that were followed before its direction was told."""
+_TICK_LENGTH = 0.00096
+"""Meters driven in a tick, at the speed at which walls are followed."""
+_CROOKED = 0.12
+"""Change of a wall's direction (rad) within 10 cm that no wheels explain: twice their worst, and noise."""
 
 
 @dataclass(slots=True)
 class MismatchEstimate:
     """Scalar Kalman filter of the wheels' relative diameter difference, (right - left) / mean.
 
-    value: the estimate; variance: of it. tick_turn: standard deviation (rad) of one tick's odometric turn,
-    from encoder noise; tangent: of one wall tangent (rad).
+    value: the estimate; variance: of it, at first that of +-2.1 % uniform. tick_turn: standard deviation
+    (rad) of one tick's odometric turn, from encoder noise; tangent: of one wall tangent (rad).
     """
 
     value: float = 0.0
-    variance: float = 0.0004
+    variance: float = 0.00015
     tick_turn: float = 0.0015
     tangent: float = 0.006
 
-    def straight(self, track: float, turned: float, length: float, tick_length: float = 0.00096) -> None:
+    def straight(self, track: float, turned: float, length: float) -> None:
         """Takes a straight stretch: `turned` (rad) by odometry, already with `value`, over `length` m."""
         if length < 0.05:
             return
-        measured = self.value - track * turned / length
-        ticks = length / tick_length
-        noise = (track / length) ** 2 * (2.0 * self.tangent**2 + ticks * self.tick_turn**2)
-        innovation = measured - self.value
+        innovation = -track * turned / length
+        noise = self._noise(track, length)
         if abs(innovation) > 4.0 * math.sqrt(self.variance + noise):
             return
         gain = self.variance / (self.variance + noise)
         self.value += gain * innovation
         self.variance *= 1.0 - gain
+
+    def explains(self, track: float, turned: float, length: float) -> bool:
+        """Whether odometry may have turned so (rad) along a straight wall of `length` m."""
+        length = max(length, 0.02)
+        return abs(track * turned / length) <= 4.0 * math.sqrt(self.variance + self._noise(track, length))
+
+    def turn_deviation(self, track: float, length: float) -> float:
+        """Standard deviation (rad) of what odometry turns over `length` m."""
+        length = max(length, SETTLED)
+        return math.sqrt(self.variance + self._noise(track, length)) * length / track
+
+    def _noise(self, track: float, length: float) -> float:
+        ticks = length / _TICK_LENGTH
+        return (track / length) ** 2 * (2.0 * self.tangent**2 + ticks * self.tick_turn**2)
+
+
+def is_even(event: CornerReached) -> bool:
+    """Whether the wall just followed bends nowhere by more than unequal wheels make it seem."""
+    return event.kind != BEND and event.crook < _CROOKED
 
 
 class MismatchLearner:
@@ -67,8 +89,8 @@ class MismatchLearner:
 
     def _on_corner(self, event: CornerReached) -> None:
         wall, self._wall = self._wall, None
-        if wall is None:
+        if wall is None or not is_even(event):
             return
         turned = wrap_angle(event.heading - wall.heading)
-        self.estimate.straight(self._agent.robot.geometry.track, turned, event.path_length - _SETTLED)
+        self.estimate.straight(self._agent.robot.geometry.track, turned, event.path_length - SETTLED)
         self._agent.odometry.mismatch = self.estimate.value

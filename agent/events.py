@@ -74,12 +74,13 @@ class MediatorFaulted(Event):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CornerReached(Event):
-    """The wall follower stands at a corner, before turning.
+    """The wall follower stands at a corner, before turning; or it passes a bend.
 
-    kind: "concave" (a wall ahead) or "convex" (the wall at the side ended).
-    path_length: m driven since the last corner, turns in place not counted.
+    kind: "concave" (a wall ahead), "convex" (the wall at the side ended) or "bend" (the wall has turned by so
+    much without a corner). path_length: m driven since the last corner or bend, turns in place not counted.
     heading: rad, path-integrated, of the wall just followed. turn: rad, counter-clockwise, that the robot is
-    going to turn in place to follow the next wall, as far as it can tell from here.
+    going to turn in place to follow the next wall, as far as it can tell from here. crook: rad, by how much
+    the direction of the wall just followed changed within 10 cm, at most; walls that are straight have none.
     """
 
     side: str
@@ -87,6 +88,7 @@ class CornerReached(Event):
     path_length: float
     heading: float
     turn: float
+    crook: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -137,10 +139,14 @@ class LocalMapBuilt(Event):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoopClosed(Event):
-    """The robot recognized that it was back at `node` at `met_at` (simulated seconds)."""
+    """The robot recognized that it was back at `node` at `met_at` (simulated seconds).
+
+    past: m, how far beyond the node it was along the wall, where the node is on a bend.
+    """
 
     node: int
     met_at: float
+    past: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
 from ..world.robot import Percept, wrap_angle
-from .boundary import BoundaryTrace, ClosingConfig
-from .calibration import MismatchEstimate
+from .boundary import BEND, BoundaryTrace, ClosingConfig
+from .calibration import SETTLED, MismatchEstimate
 from .events import (
     ArcAdded,
     BehaviorFinished,
@@ -27,9 +27,10 @@ from .events import (
     NodeCreated,
     WallMet,
 )
-from .goals import ExploreLocally, Follow, FollowFrom, LocalSamples, ReturnToCorner
+from .goals import ExploreLocally, Follow, FollowFrom, GoAlong, Leg, LocalSamples, ReturnToCorner
 from .local_goals import walls_at
 from .loop_closing import Circuit, Finding, Met
+from .way_meter import WayMeter
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -39,6 +40,13 @@ if TYPE_CHECKING:
     from .agent import Agent
     from .behavior import Context
 
+_START_AT = {"concave": FollowFrom.CONCAVE, "convex": FollowFrom.CONVEX, BEND: FollowFrom.WALL}
+_NAMED = {"concave": "concave", "convex": "convex", BEND: "none"}
+"""What the map calls a node's corner."""
+_LEAST_PROBE, _MOST_PROBE = 0.25, 0.6
+"""Meters of a wall that are driven twice to tell what is the wall's bending and what the wheels'."""
+_ROUNDS_OF_BENDS = 1.8
+"""Rounds after which a boundary without a corner is given up."""
 _STRATEGIES = {"rows": ("rows", "rows"), "columns": ("columns", "columns"), "alternate": ("rows", "columns")}
 
 
@@ -49,6 +57,7 @@ class Phase(Enum):
     EXPLORE = "explore around the node"
     RETURN = "come to the corner again"
     CONFIRM = "confirm the loop"
+    PROBE = "drive there and back along the wall"
     DONE = "done"
 
 
@@ -59,7 +68,8 @@ class MappingConfig:
     side: of the wall. local_maps: whether to explore around nodes. strategy: "rows", "columns" or
     "alternate". max_nodes: end after so many, None for no limit. most_rounds: given up after so many times
     round the boundary. wall_distance: at which walls are followed (m). learn_mismatch: of the wheels, along
-    walls. come_back: to the corner by its wall, after exploring.
+    walls. come_back: to the corner by its wall, after exploring. bend_gate: standard deviation (m) of
+    where path integration finds a place again, up to which a loop is closed at a bend.
     """
 
     side: str = "right"
@@ -70,6 +80,7 @@ class MappingConfig:
     wall_distance: float = 0.057
     learn_mismatch: bool = True
     come_back: bool = True
+    bend_gate: float = 0.08
     closing: ClosingConfig = field(default_factory=ClosingConfig)
 
 
@@ -94,7 +105,8 @@ class Mapper:
         self.map = hybrid_map
         self.config = config
         self.circuit = Circuit(config.closing)
-        self.mismatch = MismatchEstimate()
+        track = agent.robot.geometry.track
+        self.meter = WayMeter(agent.odometry, track, config.learn_mismatch)
         self.phase = Phase.FOLLOW
         self.reason = ""
         self.current = -1
@@ -102,7 +114,7 @@ class Mapper:
         self._on_commit = on_commit
         self._met_at = 0.0
         self._corner: CornerReached | None = None
-        self._wall: WallMet | None = None
+        self._probed: CornerReached | None = None
         agent.bus.subscribe(CornerReached, self._on_corner)
         agent.bus.subscribe(WallMet, self._on_wall)
         agent.bus.subscribe(BehaviorFinished, self._on_finished)
@@ -120,6 +132,11 @@ class Mapper:
         return self.circuit.trace
 
     @property
+    def mismatch(self) -> MismatchEstimate:
+        """What is known of the wheels."""
+        return self.meter.mismatch
+
+    @property
     def done(self) -> bool:
         """Whether mapping has ended; `reason` says why."""
         return bool(self.reason)
@@ -133,7 +150,7 @@ class Mapper:
             **self.circuit.state(),
             "current": self.current,
             "corner": asdict(self._corner),
-            "wall": None if self._wall is None else asdict(self._wall),
+            "wall": None if self.meter.wall is None else asdict(self.meter.wall),
             "mismatch": [self.mismatch.value, self.mismatch.variance],
         }
 
@@ -142,14 +159,14 @@ class Mapper:
         self.circuit.restore(state)
         self.current = int(state["current"])
         self._corner = CornerReached(**state["corner"])
-        self._wall = None if state["wall"] is None else WallMet(**state["wall"])
+        self.meter.met(None if state["wall"] is None else WallMet(**state["wall"]))
         self.mismatch.value, self.mismatch.variance = state["mismatch"]
         self.agent.odometry.mismatch = self.mismatch.value
 
     # --- events --------------------------------------------------------------------------------------
 
     def _on_wall(self, event: WallMet) -> None:
-        self._wall = event
+        self.meter.met(event)
         if self.phase in (Phase.FOLLOW, Phase.CONFIRM) and self._corner is not None:
             turn = wrap_angle(event.heading - self._corner.heading)
             self._corner = None
@@ -161,14 +178,34 @@ class Mapper:
     def _on_corner(self, event: CornerReached) -> None:
         if self.phase not in (Phase.FOLLOW, Phase.CONFIRM):
             return
-        self._learn_mismatch(event)
+        if event.kind == BEND and self.meter.unsure and event.path_length >= _LEAST_PROBE:
+            self._probe(event)
+        else:
+            self._judge(event)
+
+    def _judge(self, event: CornerReached) -> None:
+        """Takes a corner or bend for what it is: none, a new one or one known."""
+        arrived = self.meter.arrive(event)
+        if arrived is None:
+            return
+        event, way = arrived
         self._corner = event
-        judgement = self.circuit.reach(event)
+        loop = sum(corner.length for corner in self.trace.corners)
+        bends = self.meter.place_deviation(loop) <= self.config.bend_gate
+        judgement = self.circuit.reach(event, way, bends)
         self._admit(judgement.rejected)
         if judgement.finding is Finding.CLOSED:
             self._close()
         elif judgement.finding is Finding.MAYBE_KNOWN:
             self.phase = Phase.CONFIRM
+            if judgement.rejected:
+                # Nodes were committed: a resumed run begins here anew, and so does this one.
+                self.agent.stop("wall-following")
+                self.drive_on()
+        elif self._rounds() > _ROUNDS_OF_BENDS and all(each.kind == BEND for each in self.trace.corners):
+            self.stop(
+                "ambiguous: no corner on this boundary, and nothing tells one of its bends from another"
+            )
         elif self._rounds() > self.config.most_rounds:
             self.stop(f"{self.config.most_rounds:.0f} rounds without recognizing a corner")
         else:
@@ -191,6 +228,8 @@ class Mapper:
             if isinstance(event.result, CornerReached):
                 self._corner = event.result
             self._commit()
+        elif event.behavior == "go-to-node" and self.phase is Phase.PROBE:
+            self._probed_wall(event.succeeded)
 
     # --- steps ---------------------------------------------------------------------------------------
 
@@ -198,7 +237,7 @@ class Mapper:
         """Adds the node of a corner of the trace, and the arcs that join it to the one before."""
         heading = wrap_angle(self.trace.poses()[index].heading)
         turn = self.trace.corners[index].turn or 0.0
-        node = self.map.add_node(corner=event.kind, turn=turn, entry_heading=heading)
+        node = self.map.add_node(corner=_NAMED[event.kind], turn=turn, entry_heading=heading)
         previous, self.current = self.current, node
         self.circuit.node_of[index] = node
         self._met_at = event.time
@@ -207,6 +246,33 @@ class Mapper:
         )
         if previous >= 0:
             self._add_arc(previous, node, event.path_length)
+
+    def _probe(self, event: CornerReached) -> None:
+        """Drives back along the wall and here again: its bending is undone, what the wheels do is doubled."""
+        self.agent.stop("wall-following")
+        self.phase, self._probed = Phase.PROBE, event
+        length = min(event.path_length - SETTLED, _MOST_PROBE)
+        other = "left" if self.config.side == "right" else "right"
+        there = Leg(-1, -1, other, length, "none", math.pi, FollowFrom.WALL)
+        back = Leg(-1, -1, self.config.side, length, "none", math.pi, FollowFrom.WALL)
+        self.agent.start("go-to-node", GoAlong((there, back)))
+
+    def _probed_wall(self, succeeded: bool) -> None:
+        """Judges the bend anew, now that the wheels are known."""
+        event, self._probed = self._probed, None
+        assert event is not None
+        if not succeeded:
+            self.stop("no corner tells where this boundary begins, and its wall could not be driven twice")
+            return
+        length = min(event.path_length - SETTLED, _MOST_PROBE)
+        turned = wrap_angle(self.agent.odometry.heading - event.heading)
+        self.meter.calibrate(turned, 2.0 * length, event.path_length)
+        self.phase = Phase.FOLLOW
+        self._judge(replace(event, heading=wrap_angle(self.agent.odometry.heading)))
+        waits = self.phase in (Phase.FOLLOW, Phase.CONFIRM)
+        if waits and not self.agent.is_active("wall-following"):
+            self.meter.leave()
+            self.agent.start("wall-following", Follow(self.config.side, FollowFrom.WALL))
 
     def _explore(self) -> None:
         self.agent.stop("wall-following")
@@ -221,7 +287,8 @@ class Mapper:
         """What to explore, and what is known already: the wall it came along and, if square, the next."""
         assert self._corner is not None
         distance = self.config.wall_distance
-        square = self.trace.is_right_angled or len(self.trace.corners) < 3
+        bend = self._corner.kind == BEND
+        square = not bend and (self.trace.is_right_angled or len(self.trace.corners) < 3)
         walls = walls_at(self.config.side, self._corner.kind, square=square, distance=distance)
         heading = wrap_angle(self.agent.odometry.heading - self._corner.heading)
         edge = (-distance, -distance if self.config.side == "right" else distance)
@@ -252,6 +319,9 @@ class Mapper:
 
     def _return(self) -> None:
         assert self._corner is not None
+        if self._corner.kind == BEND:
+            self._commit()
+            return
         self.phase = Phase.RETURN
         length = self.trace.corners[-1].length or self._corner.path_length
         if len(self.trace.corners) > 1 and self.trace.corners[-2].kind == "convex":
@@ -272,7 +342,8 @@ class Mapper:
     def drive_on(self) -> None:
         """Follows the wall from the corner the robot stands at."""
         assert self._corner is not None
-        start = FollowFrom.CONCAVE if self._corner.kind == "concave" else FollowFrom.CONVEX
+        self.meter.leave()
+        start = _START_AT[self._corner.kind]
         self.agent.start("wall-following", Follow(self.config.side, start, self._corner.turn))
 
     def _admit(self, rejected: tuple[Met, ...]) -> None:
@@ -285,12 +356,17 @@ class Mapper:
             self.phase = Phase.FOLLOW
 
     def _close(self) -> None:
-        known, again = self.circuit.known, [met.event for met in self.circuit.pending]
-        self._add_arc(self.current, known[0], again[0].path_length)
-        for event, source, target in zip(again[1:], known, known[1:], strict=False):
-            self.map.record_traversal(source, target, self.config.side, event.path_length)
-        self.current = known[(len(again) - 1) % len(known)]
-        self.agent.bus.publish(LoopClosed(time=self.agent.context.time, node=known[0], met_at=again[0].time))
+        circuit = self.circuit
+        closing = circuit.closing
+        assert closing is not None
+        first, met_at = circuit.node_of[circuit.candidate], closing.mets[0].event.time
+        self._add_arc(self.current, first, circuit.closing_length)
+        for source, target, length in circuit.driven_again():
+            self.map.record_traversal(source, target, self.config.side, length)
+        self.current = circuit.here
+        self.agent.bus.publish(
+            LoopClosed(time=self.agent.context.time, node=first, met_at=met_at, past=closing.past)
+        )
         self.stop("loop closed")
 
     def stop(self, reason: str) -> None:
@@ -298,15 +374,6 @@ class Mapper:
         self.reason = reason
         self.phase = Phase.DONE
         self.agent.stop("wall-following")
-
-    def _learn_mismatch(self, event: CornerReached) -> None:
-        """The wall just followed was straight: whatever odometry turned along it is the wheels' doing."""
-        wall = self._wall
-        if wall is None or not self.config.learn_mismatch:
-            return
-        turned = wrap_angle(event.heading - wall.heading)
-        self.mismatch.straight(self.agent.robot.geometry.track, turned, event.path_length - 0.03)
-        self.agent.odometry.mismatch = self.mismatch.value
 
 
 def _variance(distance: float) -> float:

@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from .agent import Agent
 
 
+_ONWARD = {"concave": FollowFrom.CONCAVE, "convex": FollowFrom.CONVEX, "none": FollowFrom.WALL}
+"""What one stands at who goes on by the same wall, by the node's corner."""
+
+
 def plan_legs(hybrid_map: HybridMap, start: int, arrival: str, goal: int) -> tuple[Leg, ...]:
     """The shortest way (A* over the graph) as legs to drive. Raises: MapError if there is none.
 
@@ -37,15 +41,15 @@ def legs_along(hybrid_map: HybridMap, arcs: Iterable[Arc], arrival: str) -> tupl
 
 
 def _leg(hybrid_map: HybridMap, arc: Arc, side: str | None, first: bool) -> Leg:
-    concave = hybrid_map.graph.nodes[arc.start]["corner"] != "convex"
+    begin = hybrid_map.graph.nodes[arc.start]["corner"]
     corner = hybrid_map.graph.nodes[arc.end]["corner"]
     if arc.side == side:
         if not first:
             return Leg(arc.start, arc.end, arc.side, arc.distance, corner)
-        start = FollowFrom.CONCAVE if concave else FollowFrom.CONVEX
+        start = _ONWARD[begin]
         bend = hybrid_map.graph.nodes[arc.start]["turn"] or None
         return Leg(arc.start, arc.end, arc.side, arc.distance, corner, 0.0, start, bend)
-    start = FollowFrom.WALL if concave else FollowFrom.GAP
+    start = FollowFrom.GAP if begin == "convex" else FollowFrom.WALL
     return Leg(arc.start, arc.end, arc.side, arc.distance, corner, math.pi, start)
 
 

@@ -8,12 +8,18 @@ from __future__ import annotations
 
 import math
 
-from ..world.robot import Percept, RobotGeometry
+from ..world.robot import Percept, RobotGeometry, wrap_angle
 
 _RIGHT = (0, 7, 1, 2, 3)
 _LEFT = (7, 0, 6, 5, 4)
 _GATE = 16.0
 _RECEDING = 6.0
+_IN_FRONT = 0.008
+"""Meters by which the diagonal sensor must hit something nearer than the wall at the side."""
+_LEAST_TURN, _MOST_TURN = math.radians(17.0), math.radians(75.0)
+"""Turns (rad) at a slanted wall ahead: less is a bend; more, and both front sensors see it."""
+_SPACING, _SPAN = 0.01, 10
+"""Meters between two directions kept of a wall, and over how many of them it counts as bending."""
 """Squared standard deviations beyond which a measured line is refused."""
 
 
@@ -92,6 +98,27 @@ class SideView:
         length = math.hypot(dx, dy)
         return abs(x1 * dy - y1 * dx) / length, math.atan2(dy, dx)
 
+    def slanted_wall(self, distance: float, angle: float) -> tuple[float, float] | None:
+        """The wall ahead where only this side's front and diagonal sensors hit it, as `front_wall` tells it.
+
+        distance, angle: of the wall at the side, which the diagonal sensor hits if there is no other. None
+        if there is none, or hardly turned against that one.
+        """
+        if self.near == math.inf or self.diagonal == math.inf or self.far < math.inf:
+            return None
+        (cos_n, sin_n), (cos_d, sin_d) = self._angles[0], self._angles[2]
+        reach_n, reach_d = self._radius + self.near, self._radius + self.diagonal
+        toward = cos_d * math.sin(-angle) - sin_d * math.cos(angle)
+        if toward > 0.0 and reach_d > distance / toward - _IN_FRONT:
+            return None
+        x1, y1 = reach_d * cos_d, reach_d * sin_d
+        x2, y2 = reach_n * cos_n, reach_n * sin_n
+        dx, dy = x2 - x1, y2 - y1
+        turn = math.atan2(dy, dx)
+        if not _LEAST_TURN < turn < _MOST_TURN:
+            return None
+        return abs(x1 * dy - y1 * dx) / math.hypot(dx, dy), turn
+
 
 class WallFilter:
     """Kalman filter of the side wall: distance of the center (m) and the heading from the wall (rad).
@@ -162,3 +189,33 @@ class WallFilter:
             self._p00, self._p01, self._p11 = p00 - k0 * p01, (1 - k1) * p01, (1 - k1) * p11
         self.distance += k0 * innovation
         self.angle += k1 * innovation
+
+
+class WallCourse:
+    """Which way a wall has led since it was met: its direction (rad), once a centimeter.
+
+    Odometry of unequal wheels turns along a straight wall too, but evenly and little within 10 cm.
+    """
+
+    __slots__ = ("_directions", "_next", "crook")
+
+    def __init__(self) -> None:
+        """Nothing is known of the wall yet."""
+        self._directions: list[float] = []
+        self._next = 0.0
+        self.crook = 0.0
+
+    def take(self, path: float, direction: float) -> bool:
+        """Takes the wall's direction after `path` m of it; whether it was kept."""
+        if self._directions and path < self._next:
+            return False
+        self._next = path + _SPACING - 1e-6
+        kept = self._directions
+        kept.append(kept[-1] + wrap_angle(direction - kept[-1]) if kept else direction)
+        self.crook = max(self.crook, abs(kept[-1] - kept[max(0, len(kept) - 1 - _SPAN)]))
+        return True
+
+    @property
+    def swing(self) -> float:
+        """By how much (rad, counter-clockwise) the wall has turned since it was met."""
+        return self._directions[-1] - self._directions[0] if self._directions else 0.0

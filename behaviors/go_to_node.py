@@ -7,6 +7,7 @@ from enum import Enum
 from typing import Any
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
+from ..agent.boundary import BEND
 from ..agent.events import CornerReached, Event, NodePassed
 from ..agent.goals import Follow, FollowFrom, GoAlong, Leg, LegDriven
 from ..agent.motion import spin_command
@@ -92,7 +93,7 @@ class GoToNode(Behavior):
     def _depart(self, context: Context) -> None:
         leg = self._legs[0]
         # An arc that ended between corners leaves the follower with a piece of the next one behind it.
-        self._path = 0.0 if self.config.recognize or leg.start is not None else -self._follower.path
+        self._path = 0.0 if leg.start is not None else -self._follower.path
         if leg.turn:
             self._remaining = leg.turn
             self.fire("turn")
@@ -126,7 +127,7 @@ class GoToNode(Behavior):
         proposal = self._follower.propose(percept, context)
         corner, self._heard = self._heard, None
         gate = max(self.config.gate, self.config.gate_slope * leg.distance)
-        if not self.config.recognize:
+        if leg.corner == "none" or not self.config.recognize:
             self._path += corner.path_length if corner is not None else 0.0
             if self._path + self._follower.path >= leg.distance:
                 self._path += self._follower.path
@@ -135,6 +136,8 @@ class GoToNode(Behavior):
             return proposal
         if corner is not None:
             self._path += corner.path_length
+            if corner.kind == BEND:
+                return proposal
             if corner.kind == leg.corner and abs(self._path - leg.distance) <= gate:
                 self._arrive(leg, context)
                 return Proposal(STOP, 1.0, f"at node {leg.target}")
@@ -150,7 +153,8 @@ class GoToNode(Behavior):
         return proposal
 
     def _arrive(self, leg: Leg, context: Context) -> None:
-        self._driven.append(LegDriven(leg.source, leg.target, leg.side, self._path, self.config.recognize))
+        recognized = self.config.recognize and leg.corner != "none"
+        self._driven.append(LegDriven(leg.source, leg.target, leg.side, self._path, recognized))
         context.publish(NodePassed(time=context.time, node=leg.target))
         self._legs.pop(0)
         if self._legs:

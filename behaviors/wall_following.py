@@ -13,18 +13,16 @@ from enum import Enum
 from typing import Any
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
+from ..agent.boundary import BEND
 from ..agent.events import CornerReached, Event, WallMet
 from ..agent.goals import Follow, FollowFrom
 from ..agent.motion import drive_command, is_free, obstacles, spin_command
-from ..agent.surroundings import SideView, WallFilter
+from ..agent.side_wall import SideWall
+from ..agent.surroundings import SideView, WallCourse
 from ..world.robot import STOP, Percept, WheelCommand, wrap_angle
 
-_STEP = 0.006
-"""Meters by which what is abreast must be elsewhere than the wall."""
-_STEP_NEARER, _STEP_FARTHER = 5, 15
-"""Ticks in a row in which the wall must seem elsewhere, nearer or farther, before it is taken to be there."""
-_STEP_SPREAD = 0.06
-"""Standard deviation (rad) of a wall's direction beyond a step in it."""
+_PARALLEL = 5
+"""Lines of a wall after which its direction is known to a robot that began beside it."""
 _SHY_TURN = 1.0
 """Turn rate (rad/s) away from what is nearly touched."""
 
@@ -39,7 +37,8 @@ class WallFollowingConfig:
     `distance` the robot has driven past the wall's end when it notices (m). gap_limit: how far to drive
     after a convex corner until the next wall must be at the side (m). settle: how much of a wall (m) tells
     its direction. intrusion: what juts out of the wall by more (m) is kept away from at once;
-    what comes nearer than shy (m from the rim) is turned away from.
+    what comes nearer than shy (m from the rim) is turned away from. bend: how far (rad) a wall turns without
+    a corner before that is told.
     """
 
     distance: float = 0.057
@@ -53,6 +52,7 @@ class WallFollowingConfig:
     settle: float = 0.03
     intrusion: float = 0.01
     shy: float = 0.010
+    bend: float = math.pi / 3.0
 
 
 class Following(Enum):
@@ -92,15 +92,15 @@ class WallFollowing(Behavior):
         """Forgets the wall."""
         self._view: SideView | None = None
         self._side = "right"
-        self._filter = WallFilter(self.config.distance)
+        self._wall = SideWall(self.config.distance)
         self._path = 0.0
         self._leg = 0.0
         self._misses = 0
-        self._refused = 0
         self._remaining = 0.0
         self._turned = 0.0
         self._searching = self._swung = False
-        self._settled = False
+        self._settled = self._beside = False
+        self._course = WallCourse()
         self._front: list[float] = []
 
     def on_start(self, goal: Any, context: Context) -> None:
@@ -111,6 +111,7 @@ class WallFollowing(Behavior):
         self._view = SideView(context.geometry, goal.side)
         turn = 0.5 * math.pi if goal.turn is None else abs(goal.turn)
         if goal.start is FollowFrom.WALL:
+            self._beside = True
             self.fire("found_wall")
         elif goal.start is FollowFrom.GAP:
             self.fire("begin_gap")
@@ -128,7 +129,7 @@ class WallFollowing(Behavior):
             raise TypeError(f"{self.name} was asked before it was given a Follow goal")
         view.read(percept)
         turned = context.turn * view.sign
-        self._filter.predict(context.distance, turned)
+        self._wall.predict(context.distance, turned)
         state = self.state
         if state is Following.FOLLOW:
             command = self._follow(view, context)
@@ -153,12 +154,12 @@ class WallFollowing(Behavior):
 
     def expect(self, distance: float) -> None:
         """Tells how far (m) the robot's center is from the wall, where that is not the set distance."""
-        self._filter = WallFilter(distance, 0.0, 0.1)
+        self._wall = SideWall(distance, 0.0, 0.1)
 
     @property
     def skew(self) -> float:
         """The robot's heading (rad, counter-clockwise) from the direction of the wall it follows."""
-        return (self._view.sign if self._view is not None else 1.0) * self._filter.angle
+        return (self._view.sign if self._view is not None else 1.0) * self._wall.angle
 
     # --- states --------------------------------------------------------------------------------------
 
@@ -178,48 +179,26 @@ class WallFollowing(Behavior):
         return self._drive(0.0)
 
     def _follow(self, view: SideView, context: Context) -> WheelCommand:
-        config, wall_filter = self.config, self._filter
+        config = self.config
         self._count(context)
         self._settle(context)
-        if self._at_front(view, context):
+        self._trace_course(context)
+        if self._at_front(view, context, view.slanted_wall(self._wall.distance, self._wall.angle)):
             return STOP
         if view.side > config.lost_range:
             self._misses += 1
             if self._misses >= 2:
                 self._leg = context.distance
                 self.fire("wall_ended")
-            return self._drive(-config.angle_gain * wall_filter.angle)
+            return self._drive(-config.angle_gain * self._wall.angle)
         self._misses = 0
-        wall = view.side_wall()
-        if wall is None:
-            wall_filter.correct_distance(
-                (context.geometry.body_radius + view.side) * math.cos(wall_filter.angle)
-            )
-        elif wall_filter.correct(wall):
-            self._refused = 0
-        elif wall_filter.samples < 3:
-            self._meet(wall)
-        else:
-            self._refuse((context.geometry.body_radius + view.side) * math.cos(wall_filter.angle))
-        return self._keep(view, context.geometry.body_radius + view.side)
-
-    def _refuse(self, abreast: float) -> None:
-        """The line seen is not the wall's; if what is abreast (m) is elsewhere too, the wall has a step.
-
-        Where only the diagonal sensor disagrees there is a corner ahead. Beyond a step the direction is taken
-        to stay, if less surely.
-        """
-        wall = self._filter
-        step = abreast - wall.distance
-        self._refused = self._refused + 1 if abs(step) > _STEP else 0
-        if self._refused > (_STEP_FARTHER if step > 0.0 else _STEP_NEARER):
-            self._filter = WallFilter(abreast, wall.angle, _STEP_SPREAD)
-            self._filter.samples = wall.samples
-            self._refused = 0
+        reach = context.geometry.body_radius + view.side
+        self._wall.see(view.side_wall(), reach, view.near < math.inf)
+        return self._keep(view, reach)
 
     def _keep(self, view: SideView, abreast: float) -> WheelCommand:
         """Keeps the wall's distance; `abreast` (m) is that of what is beside the robot now, wall or not."""
-        config, wall = self.config, self._filter
+        config, wall = self.config, self._wall
         if min(view.side, view.diagonal) < config.shy:
             return self._drive(_SHY_TURN)
         distance = wall.distance
@@ -235,11 +214,11 @@ class WallFollowing(Behavior):
             return STOP
         self._leg += context.distance
         if self._leg >= self.config.distance - self.config.advance_trim:
-            self._remaining = -0.5 * math.pi - self._filter.angle
+            self._remaining = -0.5 * math.pi - self._wall.angle
             self.fire("around")
             self._arrive("convex", context)
             return STOP
-        return self._drive(-self.config.angle_gain * self._filter.angle)
+        return self._drive(-self.config.angle_gain * self._wall.angle)
 
     def _gap(self, view: SideView, context: Context) -> WheelCommand:
         self._count(context)
@@ -253,7 +232,7 @@ class WallFollowing(Behavior):
                 if wall is not None:
                     self._meet(wall)
                 else:
-                    self._filter = WallFilter(context.geometry.body_radius + view.side)
+                    self._wall = SideWall(context.geometry.body_radius + view.side)
                 self._misses = 0
                 self._leg = 0.0
                 self.fire("found_wall")
@@ -263,7 +242,7 @@ class WallFollowing(Behavior):
                 self._remaining = -0.25 * math.pi
                 self._leg = 0.0
                 self.fire("turn_more")
-        return self._drive(-self.config.angle_gain * self._filter.angle)
+        return self._drive(-self.config.angle_gain * self._wall.angle)
 
     def _turn(self, turned: float, view: SideView) -> WheelCommand:
         self._remaining -= turned
@@ -275,7 +254,7 @@ class WallFollowing(Behavior):
         self._leg = 0.0
         self._misses = 0
         self._front.clear()
-        self._filter = WallFilter(self.config.distance, 0.0, 0.05)
+        self._wall = SideWall(self.config.distance, 0.0, 0.05)
         self.fire("turned" if self.state is Following.CONVEX else "found_wall")
         return STOP
 
@@ -290,9 +269,9 @@ class WallFollowing(Behavior):
 
     # --- parts of states -----------------------------------------------------------------------------
 
-    def _at_front(self, view: SideView, context: Context) -> bool:
+    def _at_front(self, view: SideView, context: Context, slanted: tuple[float, float] | None = None) -> bool:
         """Stops for a wall ahead: looks a few ticks, standing, to learn where it lies, then turns."""
-        front = view.front_wall()
+        front = slanted or view.front_wall()
         limit = self.config.distance
         if front is None or front[0] > limit + 0.0005:
             self._front.clear()
@@ -301,7 +280,7 @@ class WallFollowing(Behavior):
         if len(self._front) < 4:
             return True
         self._remaining = sum(self._front) / len(self._front)
-        across = 0.5 * math.pi - self._filter.angle
+        across = 0.5 * math.pi - self._wall.angle
         if abs(self._remaining - across) < 0.14:
             self._remaining = across
         self._front.clear()
@@ -316,8 +295,8 @@ class WallFollowing(Behavior):
         return self._swung and self._path < 0.01 and (self._searching or askew)
 
     def _meet(self, wall: tuple[float, float]) -> None:
-        self._filter = WallFilter(wall[0], wall[1], 0.03)
-        self._misses = self._refused = 0
+        self._wall.meet(wall)
+        self._misses = 0
 
     def _count(self, context: Context) -> None:
         self._path += context.distance
@@ -325,8 +304,12 @@ class WallFollowing(Behavior):
     def _arrive(self, kind: str, context: Context) -> None:
         """Says that a corner is reached, with the direction of the wall just followed."""
         self._publish_wall(context)
-        self._settled = self._searching = False
+        self._settled = self._searching = self._beside = False
+        self._tell(kind, self._remaining, context)
+
+    def _tell(self, kind: str, remaining: float, context: Context) -> None:
         path, self._path = self._path, 0.0
+        course, self._course = self._course, WallCourse()
         self.emit(
             CornerReached(
                 time=context.time,
@@ -334,7 +317,8 @@ class WallFollowing(Behavior):
                 kind=kind,
                 path_length=path,
                 heading=self._wall_direction(context),
-                turn=self._remaining * (self._view.sign if self._view is not None else 1.0),
+                turn=remaining * (self._view.sign if self._view is not None else 1.0),
+                crook=course.crook,
             ),
             context,
         )
@@ -342,7 +326,17 @@ class WallFollowing(Behavior):
     def _settle(self, context: Context) -> None:
         """Once enough of the new wall was followed, says where it leads."""
         self._leg += context.distance
-        if not self._settled and self._leg >= self.config.settle and self._filter.samples >= 20:
+        if not self._settled and self._leg >= self.config.settle and self._wall.samples >= 20:
+            self._publish_wall(context)
+
+    def _trace_course(self, context: Context) -> None:
+        """Keeps where the wall leads, and tells when it has turned far without a corner."""
+        known = self._settled or (self._beside and self._wall.samples >= _PARALLEL)
+        if not known or not self._course.take(self._path, self._wall_direction(context)):
+            return
+        if abs(self._course.swing) >= self.config.bend:
+            self._tell(BEND, 0.0, context)
+            self._settled, self._beside = False, True
             self._publish_wall(context)
 
     def _publish_wall(self, context: Context) -> None:
@@ -354,7 +348,7 @@ class WallFollowing(Behavior):
 
     def _wall_direction(self, context: Context) -> float:
         sign = self._view.sign if self._view is not None else 1.0
-        return wrap_angle(context.pose.heading - sign * self._filter.angle)
+        return wrap_angle(context.pose.heading - sign * self._wall.angle)
 
     def _drive(self, turn_rate: float) -> WheelCommand:
         """Forward at the set speed while turning at `turn_rate` (rad/s, away from the wall is positive)."""

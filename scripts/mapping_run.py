@@ -200,7 +200,7 @@ class MappingRun:
 
     def _on_closed(self, event: LoopClosed) -> None:
         distance = self._met[event.met_at].distance_to(self.truth[event.node])
-        self._loop_correct = distance <= CORRECT_WITHIN
+        self._loop_correct = abs(distance - abs(event.past)) <= CORRECT_WITHIN
         self._report_progress(f"loop closed at node {event.node}")
 
     def _on_stuck(self, event: Stuck) -> None:

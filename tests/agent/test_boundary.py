@@ -1,12 +1,15 @@
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterator
 
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from tolman.agent.boundary import BoundaryTrace, ClosingConfig
+from tolman.agent.boundary import BoundaryTrace, ClosingConfig, Way
+from tolman.agent.events import CornerReached
+from tolman.agent.loop_closing import Circuit, Finding
 from tolman.world.robot import wrap_angle
 
 Wall = tuple[float, float]
@@ -77,23 +80,39 @@ def follow(trace: BoundaryTrace, walls: list[Wall], hand: float) -> Iterator[int
         i += 1
 
 
-def first_closing(walls: list[Wall], hand: float, limit: int) -> tuple[int, int] | None:
-    """(corner that closes, corner it is) or None within `limit` corners; confirmed as the mapper does it."""
-    trace = BoundaryTrace()
-    closing: tuple[int, int] | None = None
-    for index in follow(trace, walls, hand):
-        if closing is not None:
-            met, known = closing
-            corner = trace.corners[index]
-            if not trace.agrees(known + index - met, corner.kind, corner.length):
-                closing = None
-            elif index - met >= trace.config.confirmations:
-                return closing
-        if index >= limit + trace.config.confirmations:
-            return None
-        if closing is None and (candidate := trace.candidate()) is not None:
-            closing = index, candidate
+def event(what: str, length: float, turn: float) -> CornerReached:
+    return CornerReached(time=0.0, side="right", kind=what, path_length=length, heading=0.0, turn=turn)
+
+
+def first_closing(
+    walls: list[Wall], hand: float, limit: int, resumed: bool = False
+) -> tuple[int, int] | None:
+    """(corner that closes, corner it is) or None within `limit` corners; confirmed as the mapper does it.
+
+    resumed: whether every corner is met by a new circuit that was given the state of the one before.
+    """
+    circuit = Circuit(ClosingConfig())
+    for i in range(limit + circuit.config.confirmations + 1):
+        length, turn = walls[i % len(walls)]
+        judgement = circuit.reach(event(kind(turn, hand), length, turn))
+        for met in judgement.rejected:
+            circuit.node_of[met.index] = met.index
+        if judgement.finding is Finding.CLOSED:
+            assert circuit.closing is not None
+            return circuit.closing.mets[0].index, circuit.candidate
+        if judgement.finding is Finding.NEW:
+            circuit.node_of[i] = i
+        circuit.trace.turned(turn)
+        if resumed:
+            state, circuit = json.loads(json.dumps(circuit.state())), Circuit(ClosingConfig())
+            circuit.restore(state)
     return None
+
+
+@pytest.mark.parametrize("walls", ["TWO_LIKE_ONE", "WEAK_AMONG"])
+def test_what_is_undecided_survives_a_stop_after_any_corner(walls: str) -> None:
+    room = rotated(globals()[walls], 4)
+    assert first_closing(room, 1.0, 2 * len(room), resumed=True) == (len(room), 0)
 
 
 @given(skylines(), st.integers(0, 40), st.sampled_from([1.0, -1.0]))
@@ -112,8 +131,17 @@ TWO_LIKE_ONE = [
 """Walls whose last corner but one fits the first so well that only the corner after it tells them apart."""
 
 
+WEAK_AMONG = [
+    *((0.563465, 0.571199), (0.563465, 0.273678), (0.503605, 1.265904), (0.710320, 0.383740)),
+    *((0.432066, 0.252051), (0.411856, 0.082667), (0.639148, 0.912935), (0.709897, 1.575930)),
+    *((0.793056, -0.630126), (0.548288, 1.024010), (0.563465, 0.571199)),
+]
+"""Walls whose last corner fits an earlier one, and so does the first, but for a corner that may be missed."""
+
+
 @given(stars(), st.integers(0, 40), st.sampled_from([1.0, -1.0]))
 @example(TWO_LIKE_ONE, 4, 1.0)
+@example(WEAK_AMONG, 4, 1.0)
 def test_a_room_with_any_angles_closes_after_one_round_at_the_first_corner(
     walls: list[Wall], start: int, hand: float
 ) -> None:
@@ -204,9 +232,6 @@ def test_poses_lie_on_the_room_s_corners_and_come_round(walls: list[Wall]) -> No
     poses = trace.poses()
     assert poses[-1].distance_to(poses[0]) < 1e-9
     assert poses[-1].heading - poses[0].heading == pytest.approx(math.tau)
-    error = trace.closing_error(0)
-    assert math.hypot(error.x, error.y) < 1e-9
-    assert abs(error.heading) < 1e-9
 
 
 def test_nearly_quarter_turns_are_taken_as_quarters_and_others_are_not() -> None:
@@ -218,10 +243,9 @@ def test_nearly_quarter_turns_are_taken_as_quarters_and_others_are_not() -> None
         slanted.reach("concave", 1.0)
         slanted.turned(turn)
     assert square.is_right_angled
-    assert square.turn_at(0) == pytest.approx(0.5 * math.pi)
-    assert square.turn_at(2) == pytest.approx(-0.5 * math.pi)
+    assert [pose.heading for pose in square.poses()] == pytest.approx([0.0, 0.5 * math.pi, math.pi])
     assert not slanted.is_right_angled
-    assert slanted.turn_at(1) == 1.1
+    assert slanted.poses()[2].heading == pytest.approx(1.53 + 1.1)
 
 
 def test_nothing_is_known_of_an_empty_trace() -> None:
@@ -231,18 +255,74 @@ def test_nothing_is_known_of_an_empty_trace() -> None:
 
 
 @pytest.mark.parametrize(
-    ("what", "length", "agrees"),
+    ("what", "length", "known"),
     [
-        ("concave", 1.0, True),
-        ("concave", 1.049, True),
-        ("concave", 0.951, True),
-        ("concave", 1.06, False),
-        ("convex", 1.0, False),
+        ("concave", 1.0, 1),
+        ("concave", 1.049, 1),
+        ("concave", 0.951, 1),
+        ("concave", 1.06, None),
+        ("convex", 1.0, None),
+        ("concave", 1.4, None),
+        ("convex", 1.7, 3),
     ],
 )
-def test_a_confirming_corner_agrees_in_kind_and_length(what: str, length: float, agrees: bool) -> None:
+def test_the_next_corner_is_known_by_kind_and_length_and_only_weak_ones_are_missed(
+    what: str, length: float, known: int | None
+) -> None:
     trace = BoundaryTrace(ClosingConfig())
+    for each, way, turn in (("concave", 0.0, 1.57), ("concave", 1.0, 0.3), ("bend", 0.4, 0.0)):
+        trace.reach(each, way)
+        trace.turned(turn)
+    trace.reach("convex", 0.3)
+    assert trace.onward(0, what, length) == known
+    trace.corners[1].turn = 1.4
+    assert trace.onward(0, "convex", 1.7) is None
+
+
+def round_room(radius: float, bends: int, first: float) -> list[tuple[float, Way]]:
+    """(length, way) from bend to bend of a circle, each a sixth of it on; the first after `first` rad."""
+    ways = []
+    for i in range(bends):
+        angle = first if i == 0 else math.pi / 3.0
+        ahead, aside = radius * math.sin(angle), radius * (1.0 - math.cos(angle))
+        ways.append((radius * angle, Way(ahead, aside, angle)))
+    return ways
+
+
+@pytest.mark.parametrize("late", [0.0, 0.12, -0.12])
+def test_a_room_without_corners_closes_at_its_first_bend_wherever_the_second_round_meets_it(
+    late: float,
+) -> None:
+    circuit = Circuit(ClosingConfig())
+    ways = [*round_room(0.5, 6, 0.0), *round_room(0.5, 5, math.pi / 3.0 + late)]
+    findings = []
+    for i, (length, way) in enumerate(ways):
+        findings.append(circuit.reach(event("bend", length, 0.0), way).finding)
+        circuit.trace.turned(0.0)
+        if findings[-1] is Finding.NEW:
+            circuit.node_of[i] = i
+        if findings[-1] is Finding.CLOSED:
+            break
+    assert findings == [Finding.NEW] * 6 + [Finding.MAYBE_KNOWN] * 2 + [Finding.CLOSED]
+    assert circuit.candidate == 0
+    assert circuit.closing_length == pytest.approx(0.5 * math.pi / 3.0, abs=0.01)
+    assert circuit.here == 2
+
+
+def test_bends_close_nothing_where_there_are_corners_enough() -> None:
+    trace = BoundaryTrace()
+    for i, what in enumerate(["bend", "concave", "concave", "concave", "concave", "bend"]):
+        trace.reach(what, 0.5 if i in (0, 1, 5) else 1.0)
+        trace.turned(0.0 if what == "bend" else 0.5 * math.pi)
+    assert trace.candidate() is None
+
+
+def test_a_wall_that_bends_keeps_its_shape_in_the_trace() -> None:
+    trace = BoundaryTrace()
     trace.reach("concave", 0.0)
-    trace.turned(1.57)
-    trace.reach("concave", 1.0)
-    assert trace.agrees(1, what, length) is agrees
+    trace.turned(0.5 * math.pi)
+    trace.reach("concave", 1.05, Way(0.9, -0.2, -0.4))
+    pose = trace.poses()[1]
+    assert (pose.x, pose.y) == pytest.approx((0.2, 0.9))
+    assert pose.heading == pytest.approx(0.5 * math.pi - 0.4)
+    assert not trace.is_right_angled

@@ -108,6 +108,9 @@ class Drive:
 
     def reach(self, kind: str, length: float, turn: float) -> None:
         now = self.agent.context.time
+        odometry = self.agent.odometry
+        odometry.x += length * math.cos(self.heading)
+        odometry.y += length * math.sin(self.heading)
         self.tell(
             CornerReached(
                 time=now, side=self.side, kind=kind, path_length=length, heading=self.heading, turn=turn

@@ -12,6 +12,7 @@ from tolman.plugins.testing import percept
 from tolman.world.robot import EPUCK, Percept
 
 Between = Callable[..., Percept]
+QUARTER = 0.5 * math.pi
 sides = st.sampled_from(["right", "left"])
 
 
@@ -148,3 +149,24 @@ def test_a_distance_alone_corrects_the_distance_and_a_wild_one_nothing() -> None
     assert wall.distance == pytest.approx(0.057, abs=3e-4)
     wall.correct_distance(0.2)
     assert wall.distance == pytest.approx(0.057, abs=3e-4)
+
+
+@pytest.mark.parametrize("degrees", [25.0, 35.0, 45.0])
+def test_a_slanted_wall_ahead_is_seen_by_one_front_sensor_and_the_diagonal_one(
+    between: Callable[..., Percept], degrees: float
+) -> None:
+    turn = math.radians(degrees)
+    view = SideView(EPUCK, "right")
+    view.read(between([(-QUARTER, 0.057), (turn - QUARTER, 0.060)]))
+    seen = view.slanted_wall(0.057, 0.0)
+    assert seen is not None
+    assert seen == pytest.approx((0.060, turn), abs=0.004)
+
+
+def test_beside_a_straight_wall_or_across_one_there_is_no_slanted_wall(
+    between: Callable[..., Percept],
+) -> None:
+    view = SideView(EPUCK, "right")
+    for walls in ([(-QUARTER, 0.057)], [(-QUARTER, 0.057), (0.0, 0.070)]):
+        view.read(between(walls))
+        assert view.slanted_wall(0.057, 0.0) is None
