@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any, Protocol
 
 import numpy as np
@@ -122,7 +123,7 @@ class Agent:
         self._active.sort(key=lambda active: (-active.behavior.priority, active.name))
         self._suspended.discard(name)
         try:
-            with self._watch:
+            with self._watch_of(port.behavior):
                 port.behavior.reset()
                 port.behavior.on_start(goal, port.context)
         except _FAULTS as fault:
@@ -270,7 +271,7 @@ class Agent:
             self._active.remove(port)
         self._suspended.discard(port.name)
         try:
-            with self._watch:
+            with self._watch_of(port.behavior):
                 port.behavior.on_stop(port.context)
         except _FAULTS as fault:
             _log.error("behavior %s raised in on_stop: %s", port.name, describe(fault))
@@ -286,6 +287,9 @@ class Agent:
         for name in names:
             if not self.is_active(name):
                 self.start(name)
+
+    def _watch_of(self, behavior: Behavior) -> AbstractContextManager[None]:
+        return nullcontext() if behavior.slow_start else self._watch
 
     def _look(self) -> Image:
         return self.robot.look()

@@ -101,6 +101,8 @@ class Behavior(ABC):
     Config: ClassVar[type[Any]] = NoConfig
     restarts: ClassVar[bool] = False
     """Whether the agent starts it again by itself after a fault, until it is disabled: for reflexes."""
+    slow_start: ClassVar[bool] = False
+    """Whether its start and stop are outside the time budget, as where a process has to begin first."""
     example_goal: ClassVar[Any] = None
     """A goal that `on_start` takes, for `tolman plugins check`; None for a behavior that needs none."""
 

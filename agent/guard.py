@@ -54,7 +54,7 @@ def describe(fault: BaseException) -> str:
         text = " ".join(str(fault).split())
     except Exception:
         text = "(its text cannot be read)"
-    return f"{type(fault).__name__}: {text}"[:200]
+    return f"{type(fault).__name__}: {text}"[:200] if text else type(fault).__name__
 
 
 class Watch:
@@ -80,6 +80,7 @@ class Watch:
         """Starts the clock."""
         if self._hang is not None:
             self._armed = True
+            signal.signal(signal.SIGALRM, self._expired)  # another agent's watch may have it
             signal.setitimer(signal.ITIMER_REAL, self._hang, self._hang)
         self._started = time.perf_counter()
 

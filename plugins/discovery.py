@@ -11,6 +11,7 @@ import difflib
 import hashlib
 import importlib.util
 import inspect
+import logging
 import sys
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,7 +21,8 @@ from types import ModuleType
 from typing import Any
 
 from ..agent.behavior import Behavior, check_declarations
-from ..agent.errors import AgentError
+from ..agent.errors import AgentError, ConfigError
+from ..agent.guard import describe
 from ..agent.mediator import Mediator
 from .errors import (
     BrokenPluginError,
@@ -33,6 +35,13 @@ from .isolation import Subprocess, describe_file, isolated_class
 
 BEHAVIORS = "tolman.behaviors"
 MEDIATORS = "tolman.mediators"
+_FAULTS = (Exception, SystemExit)
+"""What a plugin may raise without ending whoever looks for plugins."""
+_NONE_IN_IT = (
+    "it defines no behavior and no mediator; a behavior is a class derived from tolman.agent.Behavior "
+    "(put `_` before the name of a file that is only imported)"
+)
+_log = logging.getLogger(__name__)
 _KINDS = {BEHAVIORS: "behavior", MEDIATORS: "mediator"}
 
 
@@ -100,6 +109,8 @@ def discover(folders: Iterable[Path | str] = (), isolate: bool | Collection[str]
             except (BrokenPluginError, IsolationError) as fault:
                 catalog.broken[str(path)] = str(fault)
                 continue
+            if not found:
+                catalog.broken[str(path)] = f"{path}: {_NONE_IN_IT}"
             for plugin in found:
                 catalog.add(plugin)
     return catalog
@@ -157,9 +168,9 @@ def import_file(path: Path) -> ModuleType:
     sys.modules[name] = module  # dataclasses look their module up there
     try:
         spec.loader.exec_module(module)
-    except Exception as fault:
+    except _FAULTS as fault:
         del sys.modules[name]
-        raise BrokenPluginError(f"{path}: importing it raised {type(fault).__name__}: {fault}") from fault
+        raise BrokenPluginError(f"{path}: importing it raised {describe(fault)}") from fault
     return module
 
 
@@ -170,6 +181,8 @@ def load_behaviors(
 ) -> dict[str, type[Behavior]]:
     """The behavior classes of these names, or all that can be loaded, by name. isolate: see `discover`.
 
+    What cannot be loaded and was not asked for is left out, and one line of the log says why.
+
     Raises: UnknownPluginError, DuplicatePluginError; BrokenPluginError for a broken one asked for by name.
     """
     catalog = discover(folders, isolate)
@@ -179,8 +192,10 @@ def load_behaviors(
     for name, plugin in catalog.plugins().items():
         try:
             classes[name] = plugin.load()
-        except BrokenPluginError as fault:
+        except (BrokenPluginError, IsolationError) as fault:
             catalog.broken[plugin.origin] = str(fault)
+    for why in catalog.broken.values():
+        _log.error("plugin left out: %s", why)
     return classes
 
 
@@ -206,7 +221,21 @@ def build_behaviors(
             raise UnknownPluginError(
                 f"settings for {name!r}, which is not loaded; loaded: {', '.join(sorted(classes)) or 'none'}"
             )
-    return {name: cls(**settings.get(name, {})) for name, cls in classes.items()}
+    made = {name: _made(name, cls, settings.get(name, {})) for name, cls in classes.items()}
+    return {name: behavior for name, behavior in made.items() if behavior is not None}
+
+
+def _made(name: str, cls: type[Behavior], settings: Mapping[str, Any]) -> Behavior | None:
+    """A new behavior; None, with a line in the log, if making it raises though nobody set anything."""
+    try:
+        return cls(**settings)
+    except ConfigError:
+        raise
+    except _FAULTS as fault:
+        if settings:
+            raise BrokenPluginError(f"behavior {name!r}: making one raised {describe(fault)}") from fault
+        _log.error("plugin left out: behavior %s: making one raised %s", name, describe(fault))
+        return None
 
 
 def isolating(
@@ -245,10 +274,9 @@ def _entry_loader(entry: EntryPoint, group: str, isolate: bool | Collection[str]
             return _isolated_entry(entry)
         try:
             value = entry.load()
-        except Exception as fault:
+        except _FAULTS as fault:
             raise BrokenPluginError(
-                f"{_KINDS[group]} {entry.name!r} of {_origin(entry)}: loading it raised "
-                f"{type(fault).__name__}: {fault}"
+                f"{_KINDS[group]} {entry.name!r} of {_origin(entry)}: loading it raised {describe(fault)}"
             ) from fault
         if _group_of(value) != group:
             raise BrokenPluginError(f"{entry.name!r} of {_origin(entry)} is not a {_KINDS[group]} class")

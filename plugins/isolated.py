@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ..agent.behavior import Behavior, Context
+from ..agent.behavior import Behavior, Context, Proposal
 from ..agent.codec import decode, dumps, encode, known_classes
 from ..agent.events import Event, EventBus, Subscription
 from ..agent.guard import describe
@@ -114,6 +114,8 @@ class Server:
             raise self._fault
         percept = unpack_tick(body, context)
         proposal = behavior.propose(percept, context)
+        if proposal is not None and type(proposal) is not Proposal:
+            raise TypeError(f"propose must return a Proposal or None, not {type(proposal).__name__}")
         if behavior.finished:
             result = [behavior.succeeded, behavior.reason, encode(behavior.result)]
             self._channel.send(Kind.RESULT, json.dumps(result).encode())

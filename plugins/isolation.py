@@ -98,6 +98,7 @@ class IsolatedBehavior(Behavior):
     spec: ClassVar[Mapping[str, Any]]
     Config = NoConfig
     restarts = True
+    slow_start = True
 
     def __init__(self, config: Any = None, **settings: Any) -> None:
         """settings: the plugin's own. Raises: BrokenPluginError if it cannot be made with them."""

@@ -17,6 +17,8 @@ from .profiles import Profile, behavior_settings, find_profile
 from .requests import SessionError, Simulation
 
 CONFIG_LIMIT = 1 << 20
+HANG = 2.0
+"""Wall-clock seconds after which a behavior is interrupted where plugins from folders are loaded."""
 _SECTIONS = ("behaviors", "mapping", "mediator", "noise")
 
 
@@ -79,7 +81,7 @@ def make_agent(
     configs = behavior_settings(profile, settings.get("behaviors"))
     behaviors = build_behaviors(None, simulation.plugins, configs, isolate=simulation.isolate)
     mediator = load_mediator(settings.get("mediator", "priority"), simulation.plugins)
-    limits = Limits() if simulation.plugins else Limits(budget=None)
+    limits = Limits(hang=HANG) if simulation.plugins else Limits(budget=None)
     seed = np.random.SeedSequence([simulation.seed, robot])
     agent = Agent(world.robots[robot], behaviors.values(), mediator=mediator, seed=seed, limits=limits)
     for name in profile.reflexes:

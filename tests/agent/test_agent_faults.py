@@ -248,6 +248,46 @@ def test_a_python_loop_that_hangs_is_interrupted() -> None:
     assert "still running after 0.5 s" in event_of(heard, BehaviorFaulted).fault
 
 
+def test_each_of_two_agents_interrupts_what_hangs_in_it() -> None:
+    agents = [Agent(ScriptedRobot(), [Endless()], limits=Limits(budget=None, hang=0.05)) for _ in range(2)]
+    for agent in agents:
+        agent.start("endless")
+        agent.tick()
+        assert not agent.is_active("endless")
+    for agent in agents:
+        agent.close()
+
+
+class Endless(Behavior):
+    """Never answers."""
+
+    class States(Enum):
+        ON = "on"
+
+    name = "endless"
+    initial = States.ON
+
+    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+        while True:
+            pass
+
+
+def test_a_start_that_takes_long_by_its_nature_is_no_fault() -> None:
+    class Slow(Endless):
+        name = "slow"
+        slow_start = True
+
+        def on_start(self, goal: Any, context: Context) -> None:
+            time.sleep(0.02)
+
+        def propose(self, percept: Percept, context: Context) -> Proposal | None:
+            return None
+
+    agent = Agent(ScriptedRobot(), [Slow()], limits=Limits(budget=0.01))
+    agent.start("slow")
+    assert agent.is_active("slow")
+
+
 def test_no_behavior_can_change_what_another_sees() -> None:
     seen = []
 

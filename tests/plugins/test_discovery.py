@@ -137,3 +137,29 @@ def test_mediators_are_found_by_name(tmp_path: Path) -> None:
     assert type(load_mediator("circle-mediator", [tmp_path])).__name__ == "Last"
     with pytest.raises(UnknownPluginError, match="unknown mediator 'x'; known: blend, priority, subsumption"):
         load_mediator("x")
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("def f(:", "importing it raised SyntaxError"),
+        ("import sys\nsys.exit(4)", "importing it raised SystemExit: 4"),
+        ("class Shy:\n    name = 'shy'", "it defines no behavior and no mediator"),
+        (SOURCE.replace("{name}", ""), "declare a `name`"),
+        (
+            SOURCE.replace("{name}", "circle").replace(
+                "    Config = ", "    def on_reset(self):\n        raise KeyError('no')\n    Config = "
+            ),
+            "behavior circle: making one raised KeyError: 'no'",
+        ),
+    ],
+)
+def test_what_cannot_be_used_is_left_out_and_one_line_says_why(
+    text: str, why: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    (tmp_path / "shy.py").write_text(text)
+    assert set(build_behaviors(None, [tmp_path])) == set(discover().plugins())
+    (line,) = [record.getMessage() for record in caplog.records]
+    assert line.startswith("plugin left out: ")
+    assert why in line
+    assert "\n" not in line
