@@ -109,7 +109,7 @@ def test_it_conforms() -> None:
 def write_plugin(name: str, folder: Path) -> tuple[Path, Path]:
     """Writes the behavior and its test into `folder` (made if missing); returns both paths.
 
-    Raises: PluginError for a name that is none, DuplicatePluginError if a plugin has it or a file is there.
+    Raises: PluginError for a name that is none or a folder that is a package, DuplicatePluginError if a plugin has it or a file is there.
     """
     if not _NAME.fullmatch(name) or keyword.iskeyword(name):
         raise PluginError(f"{name!r} cannot name a behavior: use lower case and dashes, as in turn-back")
@@ -122,6 +122,10 @@ def write_plugin(name: str, folder: Path) -> tuple[Path, Path]:
         "{Class}": "".join(word.capitalize() for word in words),
         "{Title}": " ".join(words).capitalize(),
     }
+    if (folder / "__init__.py").exists():
+        raise PluginError(
+            f"{folder} is a Python package, not a folder for plugins: name another with --folder"
+        )
     paths = (folder / f"{stem}.py", folder / f"test_{stem}.py")
     for path in paths:
         if path.exists():

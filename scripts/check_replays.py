@@ -26,7 +26,7 @@ def request_of(index: int, folder: Path) -> MapRequest:
         seed=index,
         world=WORLDS[0] if local else WORLDS[index % 2],
         output=folder / f"{index}.tolman",
-        side=("right", "left")[index // 2 % 2],
+        side=("right", "left")[(index // 2 + index // LOCAL) % 2],
         global_only=not local,
         record=folder / f"{index}.mcap",
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import shutil
 import subprocess
 import sys
 import time
@@ -75,6 +76,20 @@ def visit(path: Path, nodes: Sequence[int], seed: int) -> list[bool]:
     return reached
 
 
+def what_now(path: Path) -> list[str]:
+    """What is there to be seen, and what to try with it."""
+    command = "tolman" if shutil.which("tolman") else ".venv/bin/tolman"
+    return [
+        f"Look at {path.with_suffix('.png').resolve()}",
+        "  walls in black, nodes as red discs, arcs in green with the length the robot measured, the metric",
+        "  SOMs of the local maps in blue; the robot knew nothing of the room.",
+        "Then try",
+        f"  {command} go {path} --to 5 --lost      # dropped somewhere, it finds out where it is",
+        f"  {command} map env2 -o env2.tolman --figure env2.png --global-only",
+        "or write a behavior of your own: docs/tutorials/first-behavior.md",
+    ]
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the demo; the exit status is 0 only if every node was reached."""
     parser = argparse.ArgumentParser(prog="make demo", description=__doc__)
@@ -90,7 +105,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"tolman: demo failed: {error}", file=sys.stderr)
         return 1
     print(f"\n{sum(reached)} of {len(reached)} nodes reached; {time.monotonic() - began:.0f} s in all")
-    print(f"look at {options.folder / 'env1.png'}")
+    print("\n".join(what_now(path)))
     return 0 if all(reached) else 1
 
 

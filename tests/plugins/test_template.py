@@ -44,3 +44,9 @@ def test_a_taken_name_or_file_is_refused(tmp_path: Path) -> None:
     write_plugin("turn-back", tmp_path)
     with pytest.raises(DuplicatePluginError, match="exists"):
         write_plugin("turn-back", tmp_path)
+
+
+def test_a_package_of_python_is_no_folder_for_plugins(tmp_path: Path) -> None:
+    (tmp_path / "__init__.py").touch()
+    with pytest.raises(PluginError, match="is a Python package.*--folder"):
+        write_plugin("turn-back", tmp_path)
