@@ -12,6 +12,7 @@ import json
 import math
 import os
 import time
+import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -96,6 +97,7 @@ def run_campaign(
     cost: Callable[[Job], float] = lambda job: 1.0,
     until: float | None = None,
     dask: str | None = None,
+    failed: Callable[[Job, str], None] | None = None,
 ) -> dict[str, Result]:
     """Begins the jobs that the store does not have yet, in their order; returns results by job key.
 
@@ -103,7 +105,9 @@ def run_campaign(
     told after each; cost: what a job takes, in any unit, to tell how long the rest will. until: no job is
     begun after this time (`time.monotonic`), so that some keys may be missing. dask: address of a Dask
     scheduler to run on instead of local processes.
-    Raises: CampaignError; whatever `work` raises, after what had finished was kept.
+    failed is told of jobs that raised an error, and what, while the others go on; without it the campaign
+    ends.
+    Raises: CampaignError; without `failed` whatever `work` raises, after what had finished was kept.
     """
     results = store.read() if store else {}
     unique = {job.key: job for job in jobs}
@@ -119,11 +123,15 @@ def run_campaign(
                 return
             yield job
 
-    for job, result in _results(begun(), work, processes, dask):
+    attempt = work if failed is None else _Guarded(work)
+    for job, result in _results(begun(), attempt, processes, dask):
+        clock.done(cost(job))
+        if failed is not None and _ERROR in result:
+            failed(job, str(result[_ERROR]))
+            continue
         results[job.key] = result
         if store:
             store.append(job, result)
-        clock.done(cost(job))
         progress(clock.progress())
     return {key: results[key] for key in unique if key in results}
 
@@ -174,6 +182,24 @@ def _results(
             pre_dispatch="n_jobs",  # a job is begun when a process is free: the order is kept, and `until`
         )
         yield from pool(joblib.delayed(_one)(job, work) for job in jobs)
+
+
+_ERROR = "error of the run"
+
+
+@dataclass(frozen=True, slots=True)
+class _Guarded:
+    """Work that tells of an error instead of raising it."""
+
+    work: Work
+
+    def __call__(self, settings: Mapping[str, Any]) -> Mapping[str, Any]:
+        try:
+            return self.work(settings)
+        except Exception as error:  # one run of hundreds must not take the others with it
+            where = traceback.extract_tb(error.__traceback__)[-1]
+            at = f"{Path(where.filename).name}:{where.lineno}"
+            return {_ERROR: f"{type(error).__name__} at {at}: {' '.join(str(error).split())}"}
 
 
 def _one(job: Job, work: Work) -> tuple[Job, Result]:

@@ -144,7 +144,7 @@ def run(options: argparse.Namespace) -> int:
         print(f"{options.report}: written")
     else:
         print(text, end="")
-    return 0
+    return 1 if page.errors else 0
 
 
 def _running(options: argparse.Namespace, line: ProgressLine) -> Running:

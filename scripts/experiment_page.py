@@ -9,6 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from .campaign import Job
 from .experiment_ablation import ABLATION
 from .experiment_plan import ENVIRONMENTS, FIRST_SEED, Outcome, Plan, plan_for, run_plan
 from .experiment_report import TUNED, report_text, report_values
@@ -33,6 +34,7 @@ class Page:
     outcome: Outcome = field(default_factory=Outcome)
     notes: str = ""
     results: dict[str, Results] = field(default_factory=dict)
+    errors: list[str] = field(default_factory=list)
 
     @classmethod
     def of(cls, options: argparse.Namespace) -> Page:
@@ -52,11 +54,19 @@ class Page:
         return cls(plan, studies, asked, options.work, notes=notes)
 
     def run(self, running: Running) -> None:
-        """Runs what the work folder does not have yet. Raises: CampaignError."""
+        """Runs what the work folder does not have yet. Raises: CampaignError.
+
+        A run that raises an error is left out and named in `errors`.
+        """
+        running = replace(running, failed=self._note_error)
         if self.plan.tables:
             self.outcome = run_plan(self.plan, self.folder, running)
         for study in self.studies:
             self.results[study.name] = run_study(study, self.asked, self.folder, running)
+
+    def _note_error(self, job: Job, error: str) -> None:
+        told = ", ".join(f"{name} {value}" for name, value in job.settings.items())
+        self.errors.append(f"{error} ({told})")
 
     def draw(self, folder: Path, base: Path) -> list[tuple[str, str]]:
         """Draws the figures of the tables; returns (title, path from `base`) of each."""
@@ -80,6 +90,8 @@ class Page:
             f"## {study.title}\n\n{study.report(self.asked, self.results.get(study.name, {}))}\n"
             for study in self.studies
         ]
+        if self.errors:
+            parts.append("## Errors\n\nRuns that ended in an error of the program:\n\n" + _list(self.errors))
         return "\n\n".join(part.strip() for part in parts) + "\n"
 
     def values(self) -> dict[str, Any]:
@@ -89,6 +101,10 @@ class Page:
             study.name: study.values(self.asked, self.results.get(study.name, {})) for study in self.studies
         }
         return {**values, "studies": found} if found else values
+
+
+def _list(items: Sequence[str]) -> str:
+    return "\n".join(f"- {item}" for item in items)
 
 
 _MADE = (

@@ -28,6 +28,7 @@ class Running:
     dask: str | None = None
     until: float | None = None
     progress: Callable[[str, Progress], None] = lambda what, progress: None
+    failed: Callable[[Job, str], None] | None = None
 
     def campaign(self, what: str, jobs: Sequence[Job], folder: Path) -> dict[str, Result]:
         """Runs what the work folder does not have yet; results by job key. Raises: CampaignError."""
@@ -41,6 +42,7 @@ class Running:
             cost=expected_cost,
             until=self.until,
             dask=self.dask,
+            failed=self.failed,
         )
 
 

@@ -93,6 +93,17 @@ def test_each_kind_of_job_has_a_version_of_its_own(tmp_path: Path) -> None:
     assert {result["world"] for result in found.values()} == {"env1"}
 
 
+def test_a_run_that_fails_does_not_take_the_others_with_it_where_somebody_is_told(tmp_path: Path) -> None:
+    told: list[tuple[Job, str]] = []
+    store = Store(tmp_path / "r", "1")
+    results = run_campaign(
+        JOBS, fails_at_three, store=store, failed=lambda job, error: told.append((job, error))
+    )
+    assert [job.settings["seed"] for job, _ in told] == [3, 3]
+    assert told[0][1].startswith("RuntimeError at test_campaign.py:")
+    assert len(results) == len(store.read()) == 6
+
+
 def test_results_of_another_version_are_not_taken_up(tmp_path: Path) -> None:
     run_campaign(JOBS[:2], work, store=Store(tmp_path / "r", "1"))
     assert Store(tmp_path / "r", "2").read() == {}

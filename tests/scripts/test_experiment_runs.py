@@ -1,15 +1,18 @@
 """Experiments from the command line, with short runs: resumed, independent of the processes, drawn."""
 
+import functools
 import json
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from tolman.maps.local_map import DEFAULT
+from tolman.scripts import experiment_mapping, experiment_probes, experiment_traversal
 from tolman.scripts.campaign import Progress
 from tolman.scripts.cli import execute
 from tolman.scripts.experiment_figures import draw_figures
 from tolman.scripts.experiment_mapping import map_path, mapping_job, run_mapping
-from tolman.scripts.experiment_plan import GLOBAL, Plan, run_plan
+from tolman.scripts.experiment_plan import GLOBAL, NEEDS, Plan, run_plan
 from tolman.scripts.experiment_running import Running
 from tolman.scripts.experiment_traversal import run_traversal, traversal_job
 from tolman.scripts.experiment_version import code_version
@@ -64,6 +67,30 @@ def test_the_command_writes_report_and_json(tmp_path: Path, capsys: pytest.Captu
     assert values["tables"]["4.3"][0]["measured"]["thesis"]["runs"] == 1
     assert "# Results" in report.read_text(encoding="utf-8")
     assert capsys.readouterr().out.strip() == f"{report}: written"
+
+
+@pytest.mark.slow
+def test_smoke_runs_every_table_and_draws_every_figure(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With the kinematic twin, two traversals and one way to train; other tests run profile `thesis`."""
+    monkeypatch.setattr(experiment_traversal, "TRAVERSALS", 2)
+    monkeypatch.setattr(experiment_probes, "CONFIGURATIONS", {"batch": DEFAULT})
+    for module, name in ((experiment_mapping, "MapRequest"), (experiment_traversal, "Simulation")):
+        monkeypatch.setattr(module, name, functools.partial(getattr(module, name), engine="kinematic"))
+    report, figures = tmp_path / "results.md", tmp_path / "figures"
+    arguments = ["experiment", "smoke", "--profile", "default", "--first-seed", "4"]
+    arguments += ["--work", str(tmp_path / "work"), "--report", str(report), "--figures", str(figures)]
+    assert execute(arguments) == 0
+    text = report.read_text(encoding="utf-8")
+    for table in NEEDS:
+        assert f"## Table {table.removeprefix('table-')}:" in text
+    assert "**these were used for tuning**" in text
+    names = {"paths", "estimates", "metric-soms", "perceptual-soms", "traversals", "corrections"}
+    assert {path.stem for path in figures.iterdir()} == names
+    capsys.readouterr()
+    assert execute([*arguments, "--finished-only"]) == 0
+    assert report.read_text(encoding="utf-8") == text
 
 
 def test_an_unknown_experiment_is_refused_before_anything_runs(
