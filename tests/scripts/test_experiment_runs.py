@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from tolman.maps.local_map import DEFAULT
+from tolman.maps.local_training import DEFAULT
 from tolman.scripts import experiment_mapping, experiment_probes, experiment_traversal
 from tolman.scripts.campaign import Progress
 from tolman.scripts.cli import execute
