@@ -109,7 +109,8 @@ def test_it_conforms() -> None:
 def write_plugin(name: str, folder: Path) -> tuple[Path, Path]:
     """Writes the behavior and its test into `folder` (made if missing); returns both paths.
 
-    Raises: PluginError for a name that is none or a folder that is a package, DuplicatePluginError if a plugin has it or a file is there.
+    Raises: PluginError for a name that is none or a folder that is a package, DuplicatePluginError if a
+    plugin has the name or a file is there.
     """
     if not _NAME.fullmatch(name) or keyword.iskeyword(name):
         raise PluginError(f"{name!r} cannot name a behavior: use lower case and dashes, as in turn-back")

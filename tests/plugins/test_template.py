@@ -48,5 +48,5 @@ def test_a_taken_name_or_file_is_refused(tmp_path: Path) -> None:
 
 def test_a_package_of_python_is_no_folder_for_plugins(tmp_path: Path) -> None:
     (tmp_path / "__init__.py").touch()
-    with pytest.raises(PluginError, match="is a Python package.*--folder"):
+    with pytest.raises(PluginError, match=r"is a Python package.*--folder"):
         write_plugin("turn-back", tmp_path)
