@@ -29,11 +29,13 @@ class Follow:
     """Follow the wall on `side` ("right" or "left"); `start`: what the robot stands at.
 
     turn: rad, counter-clockwise, by which to begin at a corner; None is a quarter to where it must lead.
+    reach: m of path after which it ends beside the wall, None to follow on until it is stopped.
     """
 
     side: str
     start: FollowFrom = FollowFrom.SEARCH
     turn: float | None = None
+    reach: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,12 +106,28 @@ class ReturnToCorner:
 
 
 @dataclass(frozen=True, slots=True)
+class Crossing:
+    """How a foray leads from a node across open space to the next (m, rad; turns counter-clockwise).
+
+    offset: along the wall that leaves the node, to where the foray sets out. turn: from that wall to the way
+    across. distance: straight on, until a wall is near. wall: from the way across to the wall met there, as
+    it is followed. join: along that wall to the corner that is the next node.
+    """
+
+    offset: float
+    turn: float
+    distance: float
+    wall: float
+    join: float
+
+
+@dataclass(frozen=True, slots=True)
 class Leg:
     """One arc to drive: follow the wall on `side` to `target`, `distance` m on, a corner of kind `corner`.
 
     turn: rad, counter-clockwise, to turn in place before. start: what the robot then stands at, None to go
     on following through the corner it has just reached. bend: rad, counter-clockwise, by which the boundary
-    turns at the corner it starts at.
+    turns at the corner it starts at. crossing: of a foray; then `distance` is of all its parts.
     """
 
     source: int
@@ -120,6 +138,12 @@ class Leg:
     turn: float = 0.0
     start: FollowFrom | None = None
     bend: float | None = None
+    crossing: Crossing | None = None
+
+    @property
+    def kind(self) -> str:
+        """The kind of the arc: the side, or foray."""
+        return self.side if self.crossing is None else "foray"
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,13 +156,22 @@ class GoAlong:
 
 @dataclass(frozen=True, slots=True)
 class LegDriven:
-    """A leg as it was driven. distance: m. recognized: whether its end was known by its corner."""
+    """A leg as it was driven. distance: m. recognized: whether its end was known by its corner.
+
+    foray: whether it led across open space, not along a wall all the way.
+    """
 
     source: int
     target: int
     side: str
     distance: float
     recognized: bool
+    foray: bool = False
+
+    @property
+    def kind(self) -> str:
+        """The kind of the arc: the side, or foray."""
+        return "foray" if self.foray else self.side
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 from ..world.robot import Pose, wrap_angle
 from .events import Event, NodePassed, Stuck
 from .goals import Leg, LegDriven
-from .localization import Localizer
+from .localization import CHANGED, LocalizationConfig, Localizer
 
 if TYPE_CHECKING:
     from ..maps.hybrid_map import HybridMap
@@ -170,11 +170,12 @@ class Guide:
         turned = abs(wrap_angle(pose.heading - stood.heading))
         return pose.distance_to(stood) <= _MOVED and turned <= _TURNED
 
-    def _localize(self, near: tuple[int, ...]) -> None:
+    def _localize(self, near: tuple[int, ...], changed: bool = False) -> None:
         if not self._localizes:
             self._end(False, "the robot does not know where it is, and its profile has no way to find out")
             return
-        self._localizer = localizer = Localizer(self.agent, self.map, near=near)
+        config = CHANGED if changed else LocalizationConfig()
+        self._localizer = localizer = Localizer(self.agent, self.map, config, near)
         self._limit = self.agent.context.time + PATIENCE + 3.0 * TIME_PER_METER * localizer.filter.loop_length
         localizer.begin()
 
@@ -210,7 +211,7 @@ class Guide:
         if failed is not None and self._localizes:
             self._block(failed)
             if self._attempts:
-                self._localize(())
+                self._localize((), changed=True)
                 return
         self._end(False, navigator.reason)
 
@@ -229,6 +230,8 @@ class Guide:
         driven = self.agent.odometry.travelled - self._set_out_at
         if self._passed < len(planned) and driven > _AWAY:
             leg = planned[self._passed]
+            if leg.crossing is not None:
+                return ()
             if driven < leg.distance - 2.0 * _AWAY:
                 return (leg.target,) if leg.side == side else (leg.source, leg.target)
             here = leg.target
@@ -236,9 +239,11 @@ class Guide:
         return (here, *(arc.end for arc in (onward, before) if arc is not None))
 
     def _block(self, leg: Leg) -> None:
-        """Marks an arc and its reverse as blocked, in memory."""
-        back = _BACK.get(leg.side, leg.side)
-        for start, end, kind in ((leg.source, leg.target, leg.side), (leg.target, leg.source, back)):
+        """Marks an arc and its reverse as blocked, in memory; a foray has none."""
+        ways = [(leg.source, leg.target, leg.kind)]
+        if leg.crossing is None:
+            ways.append((leg.target, leg.source, _BACK[leg.side]))
+        for start, end, kind in ways:
             if self.map.graph.has_edge(start, end, kind):
                 self.map.block(start, end, kind)
                 self.blocked.append((start, end, kind))

@@ -89,7 +89,8 @@ class Mapper:
 
     build: makes a `LocalMap` of the samples and the entry heading (rad, map frame). on_commit: called with
     each node that is complete, while the robot stands at it, and when it met it first. Done when `reason` is
-    set. The map frame has node 0 at the origin, its x axis along node 0's entry heading.
+    set. The map frame has node 0 at the origin, its x axis along node 0's entry heading; `heading` is that of
+    this boundary's first wall (rad) in it, 0 unless the map has other boundaries already.
     """
 
     def __init__(
@@ -110,6 +111,7 @@ class Mapper:
         self.phase = Phase.FOLLOW
         self.reason = ""
         self.current = -1
+        self.heading = 0.0
         self._build = build
         self._on_commit = on_commit
         self._met_at = 0.0
@@ -140,6 +142,15 @@ class Mapper:
     def done(self) -> bool:
         """Whether mapping has ended; `reason` says why."""
         return bool(self.reason)
+
+    @property
+    def nodes(self) -> tuple[int, ...]:
+        """The nodes it has added, in the order of the boundary."""
+        return tuple(self.circuit.node_of[index] for index in sorted(self.circuit.node_of))
+
+    def index(self, node: int) -> int:
+        """Which corner of the trace a node is. Raises: KeyError for a node that is not of this boundary."""
+        return {known: index for index, known in self.circuit.node_of.items()}[node]
 
     # --- state -----
 
@@ -235,7 +246,7 @@ class Mapper:
 
     def _add_node(self, index: int, event: CornerReached) -> None:
         """Adds the node of a corner of the trace, and the arcs that join it to the one before."""
-        heading = wrap_angle(self.trace.poses()[index].heading)
+        heading = wrap_angle(self.heading + self.trace.poses()[index].heading)
         turn = self.trace.corners[index].turn or 0.0
         node = self.map.add_node(corner=_NAMED[event.kind], turn=turn, entry_heading=heading)
         previous, self.current = self.current, node

@@ -144,7 +144,7 @@ def _needed(value: Any, where: str, kind: type | tuple[type, ...], what: str) ->
 
 
 def _explore(value: Any, where: str) -> Step:
-    given = _fields(value, where, "side", "strategy", "max_nodes", "wait", single="side")
+    given = _fields(value, where, "side", "strategy", "max_nodes", "wait", "islands", single="side")
     if given.get("side", "right") not in ("right", "left"):
         raise MissionError(f"{where}: side is right or left, not {given['side']!r}")
     return Explore(**given)

@@ -27,13 +27,15 @@ Body: TypeAlias = Step | tuple[Any, ...] | Callable[[], Generator[Any, Any, Any]
 class Explore(Step):
     """Map the surroundings along the wall on `side`. Result: why it ended, such as "loop closed".
 
-    wait: False starts it and goes on at once, to wait for events by `Until`.
+    wait: False starts it and goes on at once, to wait for events by `Until`. islands: whether to look for
+    obstacles that stand free, once the loop is closed.
     """
 
     side: str = "right"
     strategy: str = "alternate"
     max_nodes: int | None = None
     wait: bool = True
+    islands: bool = False
 
 
 @dataclass(frozen=True, slots=True)

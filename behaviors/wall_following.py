@@ -67,7 +67,10 @@ class Following(Enum):
 
 
 class WallFollowing(Behavior):
-    """Keeps a wall at one side, corner by corner. Goal: `agent.goals.Follow`. Never finishes by itself."""
+    """Keeps a wall at one side, corner by corner. Goal: `agent.goals.Follow`.
+
+    Finishes only beside a wall, having driven the goal's `reach`. Result: its heading from the wall (rad).
+    """
 
     name = "wall-following"
     priority = 10
@@ -92,6 +95,7 @@ class WallFollowing(Behavior):
         """Forgets the wall."""
         self._view: SideView | None = None
         self._side = "right"
+        self._reach: float | None = None
         self._wall = SideWall(self.config.distance)
         self._path = 0.0
         self._leg = 0.0
@@ -107,7 +111,7 @@ class WallFollowing(Behavior):
         """Takes a `Follow` goal. Raises: TypeError for anything else."""
         if not isinstance(goal, Follow):
             raise TypeError(f"{self.name} needs a Follow goal, not {goal!r}")
-        self._side = goal.side
+        self._side, self._reach = goal.side, goal.reach
         self._view = SideView(context.geometry, goal.side)
         turn = 0.5 * math.pi if goal.turn is None else abs(goal.turn)
         if goal.start is FollowFrom.WALL:
@@ -182,6 +186,9 @@ class WallFollowing(Behavior):
         config = self.config
         self._count(context)
         self._settle(context)
+        if self._reach is not None and self._path >= self._reach:
+            self.finish(True, "followed as far as asked", self.skew)
+            return STOP
         self._trace_course(context)
         if self._at_front(view, context, view.slanted_wall(self._wall.distance, self._wall.angle)):
             return STOP

@@ -61,6 +61,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="X,Y,HEADING",
         help="where to begin (m, m, degrees; heading counter-clockwise from the x axis)",
     )
+    parser.add_argument(
+        "--islands",
+        action="store_true",
+        help="once the loop is closed, look for obstacles that stand free, and map them too",
+    )
     add_scale(parser)
     parser.add_argument("--resume", action="store_true", help="go on from the last node saved in FILE")
     add_force(parser)
@@ -105,6 +110,7 @@ def run(options: argparse.Namespace) -> int:
         max_time=options.max_time,
         strategy=options.strategy,
         start=options.start,
+        islands=options.islands,
         resume=options.resume,
         force=options.force,
         record=options.record,
@@ -148,6 +154,8 @@ def tell(report: MapReport, options: argparse.Namespace) -> int:
             f"{values['sim_time_s']:.0f} s simulated in {values['wall_time_s']:.1f} s; "
             f"ticks touching a wall: {values['collisions']}"
         )
+        if options.islands:
+            print(f"{values['islands']} islands found by {values['forays']} forays: {values['scouted']}")
         if options.figure is not None:
             print(f"{options.figure}: drawn")
     return 0 if values["reason"] in ("loop closed", "max nodes", "max time") else 1

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
@@ -14,6 +14,7 @@ import numpy as np
 from ..agent import Agent, PathIntegrator
 from ..agent.events import CornerReached, LocalMapBuilt, LoopClosed, NodeCreated, Stuck
 from ..agent.goals import LocalSamples
+from ..agent.islands import ArcKey, IslandMapper
 from ..maps.hybrid_map import HybridMap
 from ..maps.local_map import LocalMap
 from ..maps.map_file import RUN, MapFile
@@ -76,7 +77,11 @@ def open_map_file(request: MapRequest, world: World) -> MapFile:
         noise=request.noise,
         versions={"tolman": version("tolman")},
         geometry=world.robots[0].geometry.name,
-        scalars={"noise_scale": request.noise_scale, "robot_model": request.model},
+        scalars={
+            "noise_scale": request.noise_scale,
+            "robot_model": request.model,
+            **({"islands": True} if request.islands else {}),
+        },
     )
     return MapFile.create(request.output, meta, force=request.force)
 
@@ -95,6 +100,8 @@ def _why_not_resumed(request: MapRequest, world: World, meta: MapMeta) -> str:
         "noise-scale": (meta.scalars.get("noise_scale"), request.noise_scale),
         "robot-model": (meta.scalars.get("robot_model"), request.model),
     }
+    if bool(meta.scalars.get("islands")) is not request.islands:
+        return f"begun with{'out' if request.islands else ''} --islands: resume it in the same way"
     for name, (then, now) in began.items():
         if then != now:
             return f"begun with --{name} {then}, not {now}: resume it with the same"
@@ -118,11 +125,17 @@ class MappingRun:
         self.profile = profile
         self.agent: Agent = make_agent(request, world, settings, profile=profile)
         self._met: dict[float, Pose] = {}
-        # Before the mapper subscribes: where a corner truly is must be noted before its node is committed.
-        self.agent.bus.subscribe(CornerReached, self._on_corner)
+        # Before the mapper subscribes: where a corner truly is must be noted before its node is committed or
+        # taken back.
+        bus = self.agent.bus
+        bus.subscribe(CornerReached, self._on_corner)
+        bus.subscribe(Stuck, self._on_stuck)
+        bus.subscribe(NodeCreated, self._on_node)
+        bus.subscribe(LoopClosed, self._on_closed)
+        bus.subscribe(LocalMapBuilt, self._on_local_map)
         self.map = HybridMap(file.map.meta) if not request.resume else file.map
         self.mapper: AnyMapper = make_mapper(
-            profile, request, self.agent, self.map, self._build, self._commit
+            profile, request, self.agent, self.map, self._build, self._commit, self._rest
         )
         self.raw = PathIntegrator(world.robots[0].geometry, world.true_pose())
         self.truth: dict[int, Pose] = {}
@@ -131,11 +144,6 @@ class MappingRun:
         self._loop_correct: bool | None = None
         self._travelled_at_corner = 0.0
         self._stuck: str | None = None
-        bus = self.agent.bus
-        bus.subscribe(Stuck, self._on_stuck)
-        bus.subscribe(NodeCreated, self._on_node)
-        bus.subscribe(LoopClosed, self._on_closed)
-        bus.subscribe(LocalMapBuilt, self._on_local_map)
 
     # --- driving -------------------------------------------------------------------------------------
 
@@ -200,7 +208,8 @@ class MappingRun:
 
     def _on_closed(self, event: LoopClosed) -> None:
         distance = self._met[event.met_at].distance_to(self.truth[event.node])
-        self._loop_correct = abs(distance - abs(event.past)) <= CORRECT_WITHIN
+        right = abs(distance - abs(event.past)) <= CORRECT_WITHIN
+        self._loop_correct = self._loop_correct is not False and right
         self._report_progress(f"loop closed at node {event.node}")
 
     def _on_stuck(self, event: Stuck) -> None:
@@ -227,6 +236,29 @@ class MappingRun:
         self._committed = node
         self._track = []
 
+    def _rest(self, nodes: Sequence[int], arcs: Sequence[ArcKey]) -> None:
+        """Saves what changed while no node was added, and forgets nodes and arcs that were taken back."""
+        for node in nodes:
+            self.truth.pop(node, None)
+        if self._committed is not None and self._committed in self.map.graph:
+            nodes = [*nodes, self._committed]
+        self._note_current(closed=False)  # not complete: a resumed run goes on with the search
+        self.file.update(
+            self.map,
+            nodes,
+            [*arcs, *self.map.graph.edges(keys=True)],
+            state=plain({**self._state(), "track": self._track}),
+            truth={RUN: plain(self._run_truth())},
+        )
+        if isinstance(self.mapper, IslandMapper):
+            self._report_progress(f"{self.mapper.forays} forays, {self.mapper.islands} islands")
+
+    def _note_current(self, closed: bool) -> None:
+        current = self.mapper.current
+        known = current if current in self.map.graph else None
+        arrival = None if known is None else self.request.side
+        self.map.meta = replace(self.map.meta, current_node=known, arrival=arrival, loop_closed=closed)
+
     def _run_truth(self) -> dict[str, Any]:
         pose = self.world.true_pose()
         return {
@@ -241,6 +273,7 @@ class MappingRun:
             "raw": self.raw.state(),
             "truth": {str(node): [p.x, p.y, p.heading] for node, p in self.truth.items()},
             "driver": self.agent.driver,
+            **({} if self._loop_correct is None else {"loop_correct": self._loop_correct}),
             "world": dict(self.world.state()),
         }
 
@@ -252,6 +285,8 @@ class MappingRun:
         self.agent.odometry.restore(state["odometry"])
         self.raw.restore(state["raw"])
         self.agent.driver = state["driver"]
+        self._loop_correct = state.get("loop_correct")
+        self._track = [(x, y) for x, y in state.get("track", ())]
         self.truth = {int(node): Pose(*pose) for node, pose in state["truth"].items()}
         self._committed = self.mapper.current
         self.mapper.drive_on()
@@ -260,12 +295,7 @@ class MappingRun:
 
     def _finish(self) -> None:
         self.agent.bus.deliver()
-        current = self.mapper.current
-        closed = self._loop_correct is not None
-        if current >= 0:
-            self.map.meta = replace(
-                self.map.meta, current_node=current, arrival=self.request.side, loop_closed=closed
-            )
+        self._note_current(closed=self._loop_correct is not None)
         graph = self.map.graph
         uncommitted = [node for node in graph if node not in self.truth]
         graph.remove_nodes_from(uncommitted)
@@ -310,4 +340,12 @@ class MappingRun:
             noise=self.request.noise,
             world=self.world.spec.name,
             version=version("tolman"),
+            **_found(self.mapper),
         )
+
+
+def _found(mapper: AnyMapper) -> dict[str, Any]:
+    """What the search for islands came to, if there was one."""
+    if not isinstance(mapper, IslandMapper):
+        return {}
+    return {"islands": mapper.islands, "forays": mapper.forays, "scouted": mapper.scouted}

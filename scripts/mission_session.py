@@ -86,6 +86,7 @@ class MissionSession:
             global_only=request.global_only,
             max_nodes=step.max_nodes,
             strategy=step.strategy,
+            islands=step.islands,
         )
 
     # --- after a restart ---------------------------------------------------------------------------------

@@ -145,6 +145,9 @@ class RobotSite:
         hybrid_map, current = self._map(), mapper.current
         if current < 0:
             self.whereabouts = "the mapping found no node"
+            if hybrid_map.nodes():
+                self.whereabouts = "it was lost on a foray"
+                self._stand_nowhere()
             return
         closed = mapper.reason == "loop closed"
         hybrid_map.meta = replace(hybrid_map.meta, current_node=current, arrival=side, loop_closed=closed)

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, Literal, Protocol
@@ -14,6 +14,7 @@ from ..agent import Agent
 from ..agent.boundary import ClosingConfig
 from ..agent.goals import LocalSamples
 from ..agent.guide import AnyNavigator
+from ..agent.islands import ArcKey, IslandMapper
 from ..agent.mapping import Mapper, MappingConfig
 from ..agent.navigation import Navigator
 from ..agent.thesis_mapping import ThesisMapper, ThesisMappingConfig
@@ -159,8 +160,13 @@ def behavior_settings(profile: Profile, asked: Settings | None) -> dict[str, dic
 class AnyMapper(Protocol):
     """What a run needs of a mapper, whichever the profile names."""
 
-    reason: str
-    current: int
+    @property
+    def reason(self) -> str:
+        """Why it ended; empty before."""
+
+    @property
+    def current(self) -> int:
+        """The node the robot is at, or met last; -1 if there is none."""
 
     @property
     def done(self) -> bool:
@@ -189,17 +195,29 @@ def make_mapper(
     hybrid_map: HybridMap,
     build: Callable[[LocalSamples, float], LocalMap],
     on_commit: Callable[[int, float], None],
+    on_rest: Callable[[Sequence[int], Sequence[ArcKey]], None] = lambda nodes, arcs: None,
 ) -> AnyMapper:
-    """The mapper that the profile names, set as the request asks."""
+    """The mapper that the profile names, set as the request asks.
+
+    on_rest: as for `IslandMapper`. Raises: SessionError for islands with a profile that cannot map them.
+    """
     limit = request.max_nodes if request.max_nodes is not None else profile.max_nodes
     local_maps = not request.global_only
+    if request.islands and profile.mapper != "corners":
+        raise SessionError(f"profile {profile.name!r} has no forays: --islands needs profile 'default'")
     if profile.mapper == "turns":
         published = ThesisMappingConfig(
             request.side, local_maps, request.strategy, limit, closing=profile.closing, **profile.mapping
         )
         return ThesisMapper(agent, hybrid_map, build, published, on_commit)
     config = MappingConfig(request.side, local_maps, request.strategy, limit, **profile.mapping)
-    return Mapper(agent, hybrid_map, build, config, on_commit)
+
+    def mapper(commit: Callable[[int, float], None]) -> Mapper:
+        return Mapper(agent, hybrid_map, build, config, commit)
+
+    if not request.islands:
+        return mapper(on_commit)
+    return IslandMapper(agent, hybrid_map, mapper, on_commit, on_rest)
 
 
 def make_navigator(

@@ -48,7 +48,8 @@ class Simulation:
 class MapRequest(Simulation):
     """A mapping. See `tolman map --help` for what each means; max_time in simulated seconds.
 
-    record: a file to record the run in, for replay.
+    record: a file to record the run in, for replay. islands: whether to look, once the loop is closed, for
+    obstacles that stand free.
     """
 
     world: str
@@ -59,6 +60,7 @@ class MapRequest(Simulation):
     max_time: float | None = None
     strategy: str = "alternate"
     start: Pose | None = None
+    islands: bool = False
     resume: bool = False
     force: bool = False
     record: Path | None = None
@@ -87,7 +89,8 @@ class MapReport:
 
     loop_distance_m: sum of the map's arcs once round. true_loop_distance_m: the same between this run's true
     node positions. position_error_m: their difference. path_integration_error_m: between raw path integration
-    and the true position at the end. collisions: ticks in which the shell touched something.
+    and the true position at the end. collisions: ticks in which the shell touched something. islands, forays:
+    boundaries found by forays and lines driven; scouted: why the search for them ended, None without one.
     """
 
     nodes: int
@@ -110,6 +113,9 @@ class MapReport:
     noise: str
     world: str
     version: str
+    islands: int = 0
+    forays: int = 0
+    scouted: str | None = None
 
     def to_json(self) -> dict[str, Any]:
         """The fields as a dict of JSON values."""

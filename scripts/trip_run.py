@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +13,7 @@ from ..agent import Agent
 from ..agent.events import Stuck
 from ..agent.goals import Leg, LegDriven
 from ..agent.guide import AnyNavigator
-from ..agent.localization import Localizer
+from ..agent.localization import CHANGED, LocalizationConfig, Localizer
 from ..agent.navigation import Navigator
 from ..maps.hybrid_map import HybridMap
 from ..maps.map_file import MapFile, Truth, read_truth
@@ -24,13 +23,14 @@ from ..world.arenas import built_in_worlds, find_world
 from ..world.robot import Pose, wrap_angle
 from .profiles import find_profile, make_navigator
 from .record_run import recorded
-from .requests import GoReport, GoRequest, Progress, SessionError
+from .requests import GoReport, GoRequest, Progress, SessionError, Simulation
 from .wiring import load_settings, make_agent, make_world
 
 LOST_BEYOND = 0.15
 """Meters from the node it says it is at beyond which a robot is lost."""
 ATTEMPTS = 4
 """Ways tried to a node before a trip is given up."""
+_BACK = {"right": "left", "left": "right"}
 _ANYWHERE = 7
 """What sets the draw of a start pose apart from the other uses of the seed."""
 TIME_PER_METER = 120.0
@@ -123,7 +123,7 @@ class Trip:
     """One trip: finding out where it is, if it was not told, and driving."""
 
     def __init__(
-        self, request: GoRequest, world: World, agent: Agent, progress: Callable[[Progress], None]
+        self, request: Simulation, world: World, agent: Agent, progress: Callable[[Progress], None]
     ) -> None:
         """At the start; the clock of the computer runs from here."""
         self.request, self.world, self.agent, self.progress = request, world, agent, progress
@@ -133,10 +133,22 @@ class Trip:
         agent.bus.subscribe(Stuck, self._on_stuck)
         self._localizer: Localizer | None = None
         self.blocked: list[tuple[int, int, str]] = []
+        self.attempts = 0
 
-    def localize(self, hybrid_map: HybridMap) -> int | None:
+    @property
+    def localizer(self) -> Localizer:
+        """What found out last where the robot is, or is at it. Raises: SessionError if nothing ever did."""
+        if self._localizer is None:
+            raise SessionError("this trip never had to find out where it is")
+        return self._localizer
+
+    def localize(
+        self,
+        hybrid_map: HybridMap,
+        config: LocalizationConfig = LocalizationConfig(),  # noqa: B008  frozen
+    ) -> int | None:
         """Drives along the boundary until the robot knows where it is; None if it never does."""
-        self._localizer = localizer = Localizer(self.agent, hybrid_map)
+        self._localizer = localizer = Localizer(self.agent, hybrid_map, config)
         localizer.begin()
         limit = self.world.time + 120.0 + 3.0 * TIME_PER_METER * localizer.filter.loop_length
         self._run(lambda: localizer.done, limit, "finding out where it is")
@@ -162,13 +174,14 @@ class Trip:
         legs: list[LegDriven] = []
         reasons: list[str] = []
         for _ in range(ATTEMPTS):
+            self.attempts += 1
             reasons.append(self._attempt(navigator, goal))
             legs += navigator.legs
             path += navigator.path[: len(navigator.legs) + 1]
             if not isinstance(navigator, Navigator) or (failed := navigator.failed) is None:
                 break
             self._block(navigator.map, failed)
-            node = self.localize(navigator.map)
+            node = self.localize(navigator.map, CHANGED)
             if node is None:
                 reasons.append(self._localizer.reason if self._localizer is not None else "")
                 break
@@ -179,7 +192,7 @@ class Trip:
             reached=navigator.reached,
             reason=reasons[-1] if navigator.reached else "; ".join(reasons),
             path=tuple(path),
-            legs=tuple(_leg_values(asdict(leg)) for leg in legs),
+            legs=tuple(_leg_values(leg) for leg in legs),
             error=None if place is None else place.distance_to(pose),
             turn=None if place is None else math.degrees(abs(wrap_angle(pose.heading - place.heading))),
         )
@@ -197,9 +210,11 @@ class Trip:
         self._stuck |= event.given_up
 
     def _block(self, hybrid_map: HybridMap, leg: Leg) -> None:
-        """Marks an arc and its reverse as blocked, in memory."""
-        back = {"right": "left", "left": "right"}[leg.side]
-        for start, end, kind in ((leg.source, leg.target, leg.side), (leg.target, leg.source, back)):
+        """Marks an arc and its reverse as blocked, in memory; a foray has none."""
+        ways = [(leg.source, leg.target, leg.kind)]
+        if leg.kind != "foray":
+            ways.append((leg.target, leg.source, _BACK[leg.side]))
+        for start, end, kind in ways:
             if hybrid_map.graph.has_edge(start, end, kind):
                 hybrid_map.block(start, end, kind)
                 self.blocked.append((start, end, kind))
@@ -238,7 +253,7 @@ class Trip:
             wall_time_s=time.perf_counter() - self._began,
             seed=self.request.seed,
             localized_node=localizer.node if localizer is not None else None,
-            localized_after_m=localizer.filter.length if localizer is not None and found else None,
+            localized_after_m=localizer.length if localizer is not None and found else None,
         )
 
 
@@ -247,21 +262,25 @@ def learn(path: Path, report: GoReport, blocked: list[tuple[int, int, str]]) -> 
     with MapFile.resume(path) as file:
         changed = set()
         for leg in report.legs:
-            key = (int(leg["from"]), int(leg["to"]), str(leg["side"]))
+            key = (int(leg["from"]), int(leg["to"]), str(leg["kind"]))
             if leg["recognized"] and file.map.graph.has_edge(*key):
-                file.map.record_traversal(*key, float(leg["distance_m"]))
-                changed |= {key, (key[1], key[0], {"right": "left", "left": "right"}[key[2]])}
+                foray = key[2] == "foray"
+                file.map.record_traversal(*key, float(leg["distance_m"]), both_ways=not foray)
+                changed.add(key)
+                if not foray:
+                    changed.add((key[1], key[0], _BACK[key[2]]))
         for key in blocked:
             file.map.block(*key)
             changed.add(key)
         file.update(file.map, arcs=sorted(key for key in changed if file.map.graph.has_edge(*key)))
 
 
-def _leg_values(leg: dict[str, object]) -> dict[str, object]:
+def _leg_values(leg: LegDriven) -> dict[str, object]:
     return {
-        "from": leg["source"],
-        "to": leg["target"],
-        "side": leg["side"],
-        "distance_m": leg["distance"],
-        "recognized": leg["recognized"],
+        "from": leg.source,
+        "to": leg.target,
+        "side": leg.side,
+        "kind": leg.kind,
+        "distance_m": leg.distance,
+        "recognized": leg.recognized,
     }
