@@ -134,7 +134,9 @@ class ForayDrive:
         self.stage = Stage.IDLE
 
     def stop(self) -> None:
-        """Ends it without a word, and stops."""
+        """Ends it without a word, and stops, if it is under way."""
+        if self.stage is Stage.IDLE:
+            return
         self.stage = Stage.IDLE
         for name in ("wall-following", "foray"):
             self.agent.stop(name)

@@ -125,7 +125,7 @@ class FoundAt0:
 
     node, done, reason = 0, True, "localized"
 
-    def __init__(self, agent: Agent, hybrid_map: HybridMap, near: tuple[int, ...]) -> None:
+    def __init__(self, agent: Agent, hybrid_map: HybridMap, config: object, near: tuple[int, ...]) -> None:
         self.filter = type("Filter", (), {"loop_length": 4.0})()
 
     def begin(self) -> None:
