@@ -71,7 +71,7 @@ class Report:
 def check_behavior(cls: type[Behavior], goal: Any = None, *, ticks: int = 300) -> Report:
     """Runs every check on the class and never raises for its faults; goal: None takes its `example_goal`."""
     if goal is None:
-        goal = cls.example_goal if cls.example_goal is not None else _EXAMPLES.get(cls.name)
+        goal = example_goal(cls)
     checks: tuple[tuple[str, Callable[[], Iterator[str]]], ...] = (
         ("declarations", lambda: _declarations(cls)),
         ("documentation", lambda: _documentation(cls)),
@@ -85,6 +85,11 @@ def check_behavior(cls: type[Behavior], goal: Any = None, *, ticks: int = 300) -
         ("no simulator", lambda: _no_simulator(cls)),
     )
     return Report(cls.name or cls.__name__, tuple(_run(name, check) for name, check in checks))
+
+
+def example_goal(cls: type[Behavior]) -> Any:
+    """A goal that the behavior takes, None if it needs none."""
+    return cls.example_goal if cls.example_goal is not None else _EXAMPLES.get(cls.name)
 
 
 def _run(name: str, check: Callable[[], Iterator[str]]) -> Finding:

@@ -175,14 +175,19 @@ def _memory() -> int:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
-def main() -> None:
-    """Prints what was counted."""
+MOST_GROWTH = 4096
+"""kB by which memory may grow after the first tenth."""
+
+
+def main() -> int:
+    """Prints what was counted. Status 1 if a stopped plugin moved the robot, or memory grew."""
     count = soak(int(sys.argv[1]) if len(sys.argv) > 1 else 1_000_000)
     print(f"{count.ticks} ticks in {count.seconds:.0f} s, slowest {count.slowest * 1e3:.1f} ms")
     print(f"faults: {sum(count.faults.values())} {dict(sorted(count.faults.items()))}")
     print(f"moved by a stopped plugin: {count.moved_after_fault}, collisions {count.collisions_by_stopped}")
     print(f"collisions in all: {count.collisions}; memory grown by {count.memory} kB")
+    return 1 if count.moved_after_fault or count.memory > MOST_GROWTH else 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())
