@@ -10,8 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..world.geometry import outline
-from ..world.robot import Pose
+from ..world.robot import EPUCK, Pose
 from ..world.spec import Shape
+
+LEAST_MARGIN = EPUCK.body_radius + 0.01
+"""Meters around what is drawn, at least: the shaded free space is as much wider than its units."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,5 +75,5 @@ def extent(drawing: Drawing) -> tuple[float, float, float, float]:
     if not len(points):
         points = np.zeros((1, 2))
     least, most = points.min(axis=0), points.max(axis=0)
-    margin = 0.03 * max(float((most - least).max()), 0.2)
+    margin = max(0.03 * float((most - least).max()), LEAST_MARGIN)
     return least[0] - margin, most[0] + margin, least[1] - margin, most[1] + margin

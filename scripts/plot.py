@@ -77,6 +77,9 @@ def draw_arc(axes: Axes, drawing: Drawing, arc: ArcLine, radius: float, bend: fl
     """Draws one arc and, if there is room, its distance. bend: of a foray, as a share of its length."""
     start, end = drawing.nodes[arc.start], drawing.nodes[arc.end]
     color = BLOCKED if arc.blocked else FORAY if arc.foray else ARC
+    if arc.start == arc.end:  # once round an obstacle that has no other node
+        axes.add_patch(Circle((start.x, start.y), 1.5 * radius, fill=False, ec=color, lw=2.4, zorder=2))
+        return
     if arc.foray:
         style = f"arc3,rad={bend}"
         axes.add_patch(

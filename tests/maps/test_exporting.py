@@ -8,7 +8,7 @@ import networkx as nx
 import numpy as np
 import pytest
 import yaml
-from tolman.maps import HybridMap, export, read_json
+from tolman.maps import Comparison, HybridMap, export, merge, read_json
 from tolman.maps.errors import MapError, MapFileExistsError
 from tolman.maps.json_map import from_json, schema, to_json
 from tolman.scripts.torture_maps import map_made_up_world
@@ -134,3 +134,48 @@ def test_unknown_formats_name_the_known_and_files_are_not_overwritten(
     with pytest.raises(MapFileExistsError):
         export(hybrid, "graphml", tmp_path / "m.graphml")
     export(hybrid, "graphml", tmp_path / "m.graphml", force=True)
+
+
+@pytest.fixture
+def with_a_round_island(hybrid: HybridMap) -> HybridMap:
+    """A node without a corner, joined to itself round a pillar and reached by a foray alone."""
+    pillar = hybrid.add_node(corner="none", entry_heading=0.4, name="pillar", notes={"place_m": [0.4, 0.3]})
+    hybrid.add_arc(pillar, pillar, hybrid.meta.side, 0.44)
+    hybrid.add_arc(0, pillar, "right", 0.5, kind="foray", both_ways=False, notes={"crossing": {"turn": 1.5}})
+    return hybrid
+
+
+def test_forays_and_places_without_a_corner_come_back_from_file_and_json(
+    with_a_round_island: HybridMap, tmp_path: Path
+) -> None:
+    expected = list(with_a_round_island.arcs())
+    with_a_round_island.save(tmp_path / "m.tolman")
+    (path,) = export(with_a_round_island, "json", tmp_path / "m.json")
+    for found in (HybridMap.load(tmp_path / "m.tolman"), read_json(path)):
+        assert list(found.arcs()) == expected
+        assert found.graph.nodes[found.find("pillar")]["corner"] == "none"
+
+
+def test_exports_place_an_island_where_the_foray_found_it(
+    with_a_round_island: HybridMap, tmp_path: Path
+) -> None:
+    pillar = with_a_round_island.find("pillar")
+    (path,) = export(with_a_round_island, "graphml", tmp_path / "m.graphml")
+    graph = nx.read_graphml(path, node_type=int, force_multigraph=True)
+    assert (graph.nodes[pillar]["x"], graph.nodes[pillar]["y"]) == (0.4, 0.3)
+    assert "foray" in graph[0][pillar]
+    (path,) = export(with_a_round_island, "geojson", tmp_path / "m.geojson")
+    features = json.loads(path.read_text())["features"]
+    kinds = [one["properties"]["metadata"].get("kind") for one in features]
+    assert kinds.count("foray") == 1
+    assert [0.4, 0.3] in [one["geometry"]["coordinates"] for one in features]
+
+
+def test_two_maps_with_a_round_island_are_merged(with_a_round_island: HybridMap) -> None:
+    same = {node: node for node in with_a_round_island.nodes()}
+    found = Comparison(same, (), (), (), 0.0, 9.0, 0.0)
+    merged = merge(with_a_round_island, with_a_round_island, found)
+    pillar = merged.find("pillar")
+    assert merged.arc(pillar, pillar, "right").traversals == 2
+    assert [arc.kind for arc in merged.leaving(0) if arc.end == pillar] == ["foray"]
+    assert merged.graph.number_of_edges() == with_a_round_island.graph.number_of_edges()

@@ -102,3 +102,9 @@ def test_forays_blocked_arcs_and_corners_have_colors_of_their_own() -> None:
 def test_labels_of_arcs_are_read_from_below_or_from_the_right() -> None:
     texts = [text for text in compose_figure(sample()).axes[0].texts if text.get_text() == "88 cm"]
     assert sorted(round(text.get_rotation()) for text in texts) == [0, 0, 90, 90]
+
+
+def test_an_arc_from_a_node_to_itself_is_a_ring_around_it() -> None:
+    drawing = replace(sample(), arcs=[ArcLine(0, 0, 0.5)], shapes=(), lattices={})
+    rings = [patch for patch in compose_figure(drawing).axes[0].patches if not patch.get_fill()]
+    assert [isinstance(ring, Circle) and ring.center for ring in rings] == [(0.06, 0.06)]
