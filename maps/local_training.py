@@ -23,7 +23,8 @@ class LocalMapConfig:
     """How a local map is built. size: side (m) of the square local space, centered on the node.
 
     association: how positions are tied to perceptual units, `midpoint` (eq. 3.32: the last sample weighs
-    half) or `mean`. locating: how a position is estimated from a view (see `SOM.locate`).
+    half) or `mean`. locating: how a position is estimated from a view (see `SOM.locate`). grounded: whether
+    metric units that samples hit are kept to where the body has been (see `grounded`).
     """
 
     rows: int = 5
@@ -34,19 +35,27 @@ class LocalMapConfig:
     perceptual: Config = BATCH
     association: Literal["mean", "midpoint"] = "mean"
     locating: Method = "radial"
+    grounded: bool = True
 
 
 NO_WALL_FITS = 2.0 * EPUCK.body_radius - 0.01
 """Meters. Two places where the robot's center was, nearer than its body is wide, have no wall between them,
 however thin: it would have been within the body at one of them. Less 1 cm for what positions are off by."""
 
+COVERED = EPUCK.body_radius - 0.005
+"""Meters around a place where the robot's center was: the body covered it, so nothing stands there."""
+
 DEFAULT = LocalMapConfig()
 """Profile `default`."""
 
-THESIS_1 = LocalMapConfig(metric=METRIC_1, perceptual=PERCEPTUAL_1, association="midpoint", locating="best")
+THESIS_1 = LocalMapConfig(
+    metric=METRIC_1, perceptual=PERCEPTUAL_1, association="midpoint", locating="best", grounded=False
+)
 """Tables 4.7 and 4.8, configuration 1."""
 
-THESIS_2 = LocalMapConfig(metric=METRIC_2, perceptual=PERCEPTUAL_2, association="midpoint", locating="best")
+THESIS_2 = LocalMapConfig(
+    metric=METRIC_2, perceptual=PERCEPTUAL_2, association="midpoint", locating="best", grounded=False
+)
 """Tables 4.7 and 4.8, configuration 2, the one the thesis finds the better."""
 
 
@@ -64,6 +73,8 @@ def train(
     metric = SOM(config.rows, config.cols, config.topology)
     metric.fit(places / config.size + 0.5, config.metric, rng)
     metric = SOM(config.rows, config.cols, config.topology, (metric.weights - 0.5) * config.size)
+    if config.grounded:
+        metric = grounded(metric, places)
     perceptual, tied, error = _views(panorama_positions, panoramas, config, rng)
     return LocalMapContent(
         metric=metric,
@@ -76,6 +87,24 @@ def train(
         entry_panorama=_panorama(entry_panorama),
         locating=config.locating,
     )
+
+
+def grounded(metric: SOM, places: Floats) -> SOM:
+    """The SOM with each unit that samples hit moved onto one of them if the body has not been where it is.
+
+    The mean of samples from both sides of a thin wall may lie within it. places: (n, 2) m.
+    """
+    weights = np.array(metric.weights, dtype=np.float64)
+    for _ in range(metric.units):
+        won = metric.winners(places)
+        away = np.sqrt(squared_distances(places, weights))
+        astray = [unit for unit in np.unique(won).tolist() if away[:, unit].min() > COVERED]
+        if not astray:
+            break
+        for unit in astray:
+            weights[unit] = places[np.where(won == unit, away[:, unit], np.inf).argmin()]
+        metric = SOM(metric.rows, metric.cols, metric.topology, weights)
+    return metric
 
 
 def free_edges(metric: SOM, places: Floats) -> Ints:

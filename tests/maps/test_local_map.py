@@ -165,6 +165,18 @@ def test_next_to_no_kept_edge_crosses_a_wall_without_thickness() -> None:
     assert crossing <= 0.01 * edges
 
 
+def test_no_unit_that_was_hit_lies_between_the_two_sides_of_a_wall() -> None:
+    side = np.column_stack((np.arange(-0.08, 0.09, 0.02), np.full(9, 0.04)))
+    places = np.vstack((side, side[::-1] * (1.0, -1.0)))  # along y = 0.04 and back along -0.04: a wall at 0
+    for rows, cols in ((1, 3), (2, 2), (3, 1)):
+        local = LocalMap.build(places, config=LocalMapConfig(rows=rows, cols=cols))
+        hit = local.metric.weights[local.hits > 0]
+        away = np.linalg.norm(hit[:, None] - places, axis=2).min(axis=1)
+        assert (away <= 0.03 + 1e-9).all()
+        assert (np.abs(hit[:, 1]) > 0.01).all()
+        assert local.hits.sum() == len(places)
+
+
 def test_free_space_joins_units_that_were_hit_alone() -> None:
     for seed in range(10):
         places, _ = walk_around_a_wall(np.random.default_rng(seed))
