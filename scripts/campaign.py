@@ -219,8 +219,9 @@ def _backend(dask: str | None) -> Iterator[None]:
         from distributed import Client
     except ImportError:
         raise CampaignError("--dask needs the package distributed: pip install 'tolman[dask]'") from None
+    connect: Any = Client  # partly typed where it is installed
     with (
-        Client(dask) as client,
+        connect(dask) as client,
         joblib.parallel_config(backend="dask", client=client, wait_for_workers_timeout=60),
     ):
         yield
