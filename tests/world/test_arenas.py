@@ -4,10 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from tolman.scripts.offset_loop import arc_lengths, boundary_loops, offset
 from tolman.world import UnknownWorldError, WorldFileError, built_in_world, built_in_worlds, find_world
 from tolman.world.geometry import Plan
-
-from .offset_loop import arc_lengths, boundary_loops, offset
 
 WALL_DISTANCE = 0.057
 TARGETS = {"env1": (4.61, 10, 10), "env2": (9.09, 22, 24), "env3": (9.87, 26, 28)}

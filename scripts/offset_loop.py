@@ -1,8 +1,11 @@
+"""The loop that a robot drives around the free space of a world of axis-parallel boxes."""
+
 from __future__ import annotations
 
 import numpy as np
-from tolman.world.geometry import Plan
-from tolman.world.spec import WorldSpec
+
+from ..world.geometry import Plan
+from ..world.spec import WorldSpec
 
 Point = tuple[float, float]
 
