@@ -22,7 +22,8 @@ DESCRIPTION = """Runs experiments of chapter 4 of the thesis in both profiles an
 the published ones. NAME is table-N for N = 4.2, 4.3, 4.5, 4.6, 4.10, 4.12, 4.14, 4.15, 4.16, 4.18, `all`
 (these) or `smoke` (these, but one run in one environment). Beyond the thesis, profile `default` alone:
 `variants` (rooms turned, mirrored, scaled, imported; more noise), `ablation` (each remedy off in turn),
-`unseen` (rooms and mazes drawn from seeds).
+`unseen` (rooms and mazes drawn from seeds), `beyond` (unknown starts, changed worlds, obstacles that stand
+free).
 
 Finished runs are kept in the work folder, with their maps; the same command goes on where it was interrupted,
 and --finished-only reports what there is. Results do not depend on --jobs. Seeds below 1000 are meant for

@@ -34,10 +34,13 @@ def mapping_job(
     local_maps: bool,
     noise: str = "thesis",
     training: bool = False,
+    islands: bool = False,
 ) -> Job:
     """A mapping as a job. world: see `experiment_worlds`. training: also train SOMs in all configurations."""
+    more = {"islands": True} if islands else {}
     return Job(
         {
+            **more,
             "kind": "map",
             "world": world,
             "side": side,
@@ -76,6 +79,7 @@ def run_mapping(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         noise=str(settings["noise"]),
         noise_scale=float(settings["noise_scale"]),
         max_time=LONGEST,
+        islands=bool(settings.get("islands", False)),
         force=True,
     )
     # A lap for the thesis's profile: how its thresholds would have closed the loop follows from the ratios.

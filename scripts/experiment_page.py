@@ -11,6 +11,7 @@ from typing import Any
 
 from .campaign import Job
 from .experiment_ablation import ABLATION
+from .experiment_beyond_study import BEYOND
 from .experiment_plan import ENVIRONMENTS, FIRST_SEED, Outcome, Plan, plan_for, run_plan
 from .experiment_report import TUNED, report_text, report_values
 from .experiment_running import Running, versions
@@ -19,7 +20,9 @@ from .experiment_unseen import UNSEEN
 from .experiment_variants import VARIANTS
 from .experiment_worlds import import_world
 
-STUDIES: Mapping[str, Study] = MappingProxyType({study.name: study for study in (VARIANTS, ABLATION, UNSEEN)})
+STUDIES: Mapping[str, Study] = MappingProxyType(
+    {study.name: study for study in (VARIANTS, ABLATION, UNSEEN, BEYOND)}
+)
 """What there is beyond the thesis's tables, by name."""
 
 

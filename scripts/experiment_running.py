@@ -9,13 +9,20 @@ from types import MappingProxyType
 from typing import Any
 
 from .campaign import Job, Progress, Result, Store, run_campaign
+from .experiment_beyond import run_unknown_start
+from .experiment_changes import run_changed_world
 from .experiment_mapping import run_mapping
 from .experiment_traversal import run_traversal
 from .experiment_version import code_version
 
 SIDES = ("right", "left")
 RUNS: Mapping[str, Callable[[Mapping[str, Any], Path], dict[str, Any]]] = MappingProxyType(
-    {"map": run_mapping, "traverse": run_traversal}
+    {
+        "map": run_mapping,
+        "traverse": run_traversal,
+        "unknown-start": run_unknown_start,
+        "changed-world": run_changed_world,
+    }
 )
 """What a run of a job is, by its setting `kind`: from its settings and the work folder to figures."""
 

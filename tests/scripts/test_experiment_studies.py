@@ -98,6 +98,15 @@ def test_an_ablation_runs_the_whole_profile_and_each_without_one_remedy() -> Non
     assert "| without recognized corners" in text
 
 
+def test_beyond_drops_robots_on_maps_of_both_sides_and_changes_worlds() -> None:
+    jobs, _ = jobs_of(STUDIES["beyond"], Asked(runs=8, environments=("env1",)), mapping())
+    kinds = [str(job.settings["kind"]) for job in jobs]
+    assert kinds.count("unknown-start") == 2 * 2 * 8  # env1 and the ambiguous room, dropped in two ways
+    assert kinds.count("changed-world") == 4 * 2
+    assert {job.settings["map side"] for job in jobs if "map side" in job.settings} == {"right", "left"}
+    assert sum("islands" in job.settings for job in jobs) == 1
+
+
 @pytest.mark.parametrize("name", sorted(STUDIES))
 def test_every_study_reports_also_where_nothing_has_run(name: str) -> None:
     study = STUDIES[name]
