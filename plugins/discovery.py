@@ -255,8 +255,18 @@ def isolating(
 
 
 def load_mediator(name: str = "priority", folders: Iterable[Path | str] = ()) -> Mediator:
-    """A new mediator of that name, with its default settings. Raises: UnknownPluginError."""
-    mediator: Mediator = discover(folders).find(name, MEDIATORS).load()()
+    """A new mediator of that name, with its default settings.
+
+    Raises: UnknownPluginError, BrokenPluginError if it cannot be loaded or made.
+    """
+    plugin = discover(folders).find(name, MEDIATORS)
+    cls = plugin.load()
+    try:
+        mediator: Mediator = cls()
+    except _FAULTS as fault:
+        raise BrokenPluginError(
+            f"mediator {name!r} of {plugin.origin}: making one raised {describe(fault)}"
+        ) from fault
     return mediator
 
 

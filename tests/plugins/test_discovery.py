@@ -163,3 +163,14 @@ def test_what_cannot_be_used_is_left_out_and_one_line_says_why(
     assert line.startswith("plugin left out: ")
     assert why in line
     assert "\n" not in line
+
+
+def test_a_mediator_that_cannot_be_made_is_named_with_its_fault(tmp_path: Path) -> None:
+    (tmp_path / "odd.py").write_text(
+        "class Odd:\n    name = 'odd'\n    def __init__(self):\n        raise OSError('no')\n"
+        "    def arbitrate(self, candidates, previous):\n        return None\n"
+    )
+    with pytest.raises(
+        BrokenPluginError, match=r"mediator 'odd' of file .*odd.py: making one raised OSError"
+    ):
+        load_mediator("odd", [tmp_path])
