@@ -34,22 +34,22 @@ def ideal(start: Pose, left: float, right: float, ticks: int) -> Pose:
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_a_straight_meter_is_off_by_less_than_half_a_millimeter(model: str) -> None:
+def test_a_straight_meter_is_off_by_less_than_a_tenth_of_a_millimeter(model: str) -> None:
     world = opened(OPEN, model)
     start = world.true_pose()
     ticks = round(1.0 / (500 * EPUCK.distance_per_step * CONTROL_PERIOD))
     end, wanted = run(world, 500, 500, ticks), ideal(start, 500, 500, ticks)
-    assert end.distance_to(wanted) < 0.5e-3
+    assert end.distance_to(wanted) < 0.1e-3
     assert abs(end.heading) < 1e-4
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_ten_turns_in_place_are_off_by_less_than_an_eighth_of_a_degree(model: str) -> None:
+def test_ten_turns_in_place_are_off_by_less_than_a_thousandth_of_a_degree(model: str) -> None:
     world = opened(OPEN, model)
     start = world.true_pose()
     ticks = round(10 * math.tau / (600 * EPUCK.radians_per_step * CONTROL_PERIOD))
     end, wanted = run(world, -300, 300, ticks), ideal(start, -300, 300, ticks)
-    assert math.degrees(abs(wrap_angle(end.heading - wanted.heading))) < 0.12
+    assert math.degrees(abs(wrap_angle(end.heading - wanted.heading))) < 1e-3
     assert end.distance_to(start) < 1e-4
 
 
