@@ -81,8 +81,8 @@ def what_now(path: Path) -> list[str]:
     command = "tolman" if shutil.which("tolman") else ".venv/bin/tolman"
     return [
         f"Look at {path.with_suffix('.png').resolve()}",
-        "  walls in black, nodes as red discs, arcs in green with the length the robot measured, the metric",
-        "  SOMs of the local maps in blue; the robot knew nothing of the room.",
+        "  walls are dark, nodes are discs, arcs green with the length the robot measured, the free space it",
+        "  knows and the SOMs it made of it blue. Nobody told it anything of the room.",
         "Then try",
         f"  {command} go {path} --to 5 --lost      # dropped somewhere, it finds out where it is",
         f"  {command} map env2 -o env2.tolman --figure env2.png --global-only",

@@ -103,6 +103,14 @@ def test_a_mission_cancelled_on_the_way_goes_on_after_a_restart(mapped: Path, tm
     assert (report.status, report.reason) == ("done", "")
 
 
+def test_the_published_method_stops_too_but_cannot_find_out_where_it_is(mapped: Path, tmp_path: Path) -> None:
+    path = write(tmp_path, "steps: [race: [go_to: 5, wait: 5], wait: 2, go_to: 5]")
+    report = request(path, map=mapped, profile="thesis", record=tmp_path / "run")
+    assert "its profile has no way to find out" in report.reason
+    still = [tick.driver for tick in read_recording(tmp_path / "run").ticks if 5.1 < tick.percept.time < 6.9]
+    assert set(still) == {None}
+
+
 def test_who_maps_cannot_go_anywhere_until_that_has_ended(tmp_path: Path) -> None:
     path = write(tmp_path, "steps: [explore: {wait: false}, wait: 1, go_to: 0]")
     assert "the mapping is still under way" in request(path, world="env1").reason
