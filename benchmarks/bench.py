@@ -162,6 +162,7 @@ def targets(figures: dict[str, Any]) -> list[tuple[str, float, str, float, bool]
             (parts["whole"] - parts["physics"]) / statistics.median(found["raw DART, wheels"]),
             -0.6,
         ),
+        ("agent and sensing / own physics", (parts["whole"] - parts["physics"]) / parts["physics"], -0.6),
         ("x real time, wheels, 12 boxes", CONTROL_PERIOD / statistics.median(found["tolman, wheels"]), 100.0),
     ]
     if "ir-sim" in found:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import math
+import sys
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -131,7 +133,8 @@ def _circling(tick: int) -> tuple[float, float]:
 def ir_sim(boxes: Sequence[Box], side: float) -> Callable[[], None] | None:
     """One tick of ir-sim: a differential robot with a lidar of 8 beams among the boxes; None without it."""
     try:
-        irsim = importlib.import_module("irsim")
+        with contextlib.redirect_stdout(sys.stderr):  # it says which windows it cannot open
+            irsim = importlib.import_module("irsim")
     except ImportError:
         return None
     obstacles = "".join(
