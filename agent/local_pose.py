@@ -41,9 +41,9 @@ class LocalPose:
     per square root of a meter driven; drift: rad per square root of a meter driven.
     """
 
-    turn_noise = 0.0088
+    turn_noise = 0.012
     drive_noise = 0.0035
-    drift = 0.05
+    drift = 0.06
 
     def __init__(self, heading: float = 0.0, square: bool = False) -> None:
         """At the origin, well known, with the heading of a wall just followed."""

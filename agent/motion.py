@@ -7,6 +7,8 @@ from collections.abc import Iterable
 
 from ..world.robot import CONTROL_PERIOD, Percept, RobotGeometry, WheelCommand
 
+_SHY, _SHY_RATE = 0.004, 1.0
+"""Meters from the shell within which a drive turns away, and how fast (rad/s) where it touches."""
 _CLOSER = 0.0015
 """Meters that a drive must come nearer to a point for it to be in the way."""
 
@@ -24,6 +26,19 @@ def drive_command(geometry: RobotGeometry, speed: float, turn_rate: float) -> Wh
     difference = 0.5 * turn_rate / geometry.radians_per_step
     difference = max(-limit, min(limit, difference))
     return WheelCommand(speed - difference, speed + difference)
+
+
+def shy_turn(points: Iterable[tuple[float, float]], geometry: RobotGeometry) -> float:
+    """Turn rate (rad/s, counter-clockwise) away from what the shell nearly touches beside or ahead of it.
+
+    A drive at a slant to a wall comes near it too slowly for `is_free` to tell, and would end by grazing it.
+    """
+    away = 0.0
+    for x, y in points:
+        gap = math.hypot(x, y) - geometry.body_radius
+        if gap < _SHY and x > -0.5 * geometry.body_radius:
+            away -= math.copysign(_SHY_RATE * (1.0 - gap / _SHY), y)
+    return max(-_SHY_RATE, min(_SHY_RATE, away))
 
 
 def obstacles(percept: Percept, geometry: RobotGeometry) -> list[tuple[float, float]]:

@@ -13,7 +13,7 @@ from ..agent.behavior import Behavior, Context, Proposal, Transition
 from ..agent.goals import ExploreLocally, LocalSamples
 from ..agent.local_fix import LOOKOUT, ROCK, ROUND, LocalFix
 from ..agent.local_pose import LocalPose
-from ..agent.motion import drive_command, is_free, obstacles, spin_command
+from ..agent.motion import drive_command, is_free, obstacles, shy_turn, spin_command
 from ..agent.panoramas import QUARTER, PanoramaSamples, view_order
 from ..agent.rigid_graph import Cell, RigidGraph
 from ..world.robot import STOP, Image, Percept, RobotGeometry, WheelCommand, wrap_angle
@@ -289,7 +289,8 @@ class LocalExploration(Behavior):
             self._retreats += 1
             self.fire("retreat")
             return STOP
-        return self._steer(self._calm(self._speed(remaining, context)), error, context)
+        away = shy_turn(points, context.geometry)
+        return self._steer(self._calm(self._speed(remaining, context)), error, context, away)
 
     def _retreat(self, percept: Percept, context: Context) -> WheelCommand:
         """Backwards, the way it came, to the place it left."""
@@ -418,5 +419,5 @@ class LocalExploration(Behavior):
         last = remaining / (context.geometry.distance_per_step * 0.032)
         return min(self.config.speed, max(20.0, last))
 
-    def _steer(self, speed: float, error: float, context: Context) -> WheelCommand:
-        return drive_command(context.geometry, speed, 3.0 * max(-0.3, min(0.3, error)))
+    def _steer(self, speed: float, error: float, context: Context, away: float = 0.0) -> WheelCommand:
+        return drive_command(context.geometry, speed, 3.0 * max(-0.3, min(0.3, error)) + away)

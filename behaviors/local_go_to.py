@@ -12,7 +12,7 @@ from ..agent.goals import GoThrough, PlacesDriven
 from ..agent.local_fix import ROCK, LocalFix
 from ..agent.local_goals import GoByWalls, PlacesByWalls
 from ..agent.local_pose import LocalPose
-from ..agent.motion import drive_command, is_free, obstacles, spin_command
+from ..agent.motion import drive_command, is_free, obstacles, shy_turn, spin_command
 from ..world.robot import STOP, Percept, Pose, RobotGeometry, WheelCommand, wrap_angle
 
 
@@ -139,13 +139,13 @@ class LocalGoTo(Behavior):
             self._arrive()
             self.fire("next")
             return STOP
-        if not is_free(
-            obstacles(percept, context.geometry), context.geometry, min(remaining, 0.01), self.config.margin
-        ):
+        points = obstacles(percept, context.geometry)
+        if not is_free(points, context.geometry, min(remaining, 0.01), self.config.margin):
             self.fire("retreat")
             return STOP
         last = remaining / (context.geometry.distance_per_step * 0.032)
-        return drive_command(context.geometry, min(self.config.speed, max(20.0, last)), 3.0 * error)
+        turn_rate = 3.0 * error + shy_turn(points, context.geometry)
+        return drive_command(context.geometry, min(self.config.speed, max(20.0, last)), turn_rate)
 
     def _retreat(self, context: Context) -> WheelCommand:
         length, bearing = self._to(self._from)

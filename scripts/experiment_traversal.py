@@ -86,7 +86,8 @@ def run_traversal(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:
 class Scores:
     """What was measured. before, after, headings: at each node; ends: of the traversals.
 
-    corrections: node, where it truly was (x, y) and where the views said (x, y), m, the node's true frame.
+    corrections: node, where it truly was (x, y) and where it held itself to be (x, y), m, the node's true
+    frame: by the views at arrival (profile `thesis`), by the walls after driving the local map (`default`).
     """
 
     before: list[float] = field(default_factory=list)
@@ -155,8 +156,6 @@ class TraversalRun:
                 return False
             if not isinstance(self.navigator, ThesisNavigator):
                 self._note_after(arc.end)
-                here = self._arrived_at
-                self.scores.corrections.append([float(arc.end), here.x, here.y, 0.0, 0.0])
             if self.lost:
                 return False
             if local and index % 2 == 0:
@@ -198,6 +197,8 @@ class TraversalRun:
         local.home()
         self._run_local(local)
         if isinstance(self.navigator, Navigator):
+            true = self.truth[node].relative(self.world.true_pose())
+            self.scores.corrections.append([float(node), true.x, true.y, local.pose.x, local.pose.y])
             self._come_to_corner(node)
 
     def _come_to_corner(self, node: int) -> None:

@@ -5,7 +5,7 @@ import math
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from tolman.agent.motion import drive_command, is_free, obstacles, spin_command
+from tolman.agent.motion import drive_command, is_free, obstacles, shy_turn, spin_command
 from tolman.plugins.testing import percept
 from tolman.world.robot import CONTROL_PERIOD, EPUCK
 
@@ -78,3 +78,13 @@ def test_a_free_way_is_free_for_less_margin_and_for_less_way(
 def test_backwards_is_forwards_turned_around(where: list[tuple[float, float]], way: float) -> None:
     turned = [(-x, -y) for x, y in where]
     assert is_free(where, EPUCK, way, 0.01) == is_free(turned, EPUCK, -way, 0.01)
+
+
+def test_beside_a_wall_it_all_but_touches_it_turns_away_and_the_more_the_nearer() -> None:
+    def beside(gap: float, side: float) -> float:
+        return shy_turn([(0.0, side * (EPUCK.body_radius + gap))], EPUCK)
+
+    assert beside(0.001, -1.0) > beside(0.003, -1.0) > 0.0
+    assert beside(0.001, 1.0) == -beside(0.001, -1.0)
+    assert beside(0.005, 1.0) == 0.0
+    assert shy_turn([(-0.035, 0.001)], EPUCK) == 0.0
