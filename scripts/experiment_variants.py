@@ -29,9 +29,10 @@ def worlds(asked: Asked) -> list[str]:
 
 
 def maps(world: str, asked: Asked, profile: str = "default", runs: int = RUNS) -> list[Job]:
-    """The mappings of one world."""
+    """The mappings of one world. Imported ones may have corners without end: they get no local maps."""
+    local = world not in asked.imported
     return [
-        mapping_job(world, side, seed, profile, local_maps=True)
+        mapping_job(world, side, seed, profile, local_maps=local)
         for seed, side in seeds(asked.first_seed, asked.runs or runs)
     ]
 
@@ -41,7 +42,7 @@ def trips(jobs: Sequence[Job], results: Results, *, corrected: bool) -> list[Job
     return [
         traversal_job(job, int(str(job.settings["seed"])) + _TRIP_SEED, corrected=corrected)
         for job, result in finished(jobs, results)
-        if result["finished"]
+        if result["finished"] and (job.settings["local_maps"] or not corrected)
     ]
 
 
@@ -104,12 +105,12 @@ def _report(asked: Asked, results: Results) -> str:
         lost += failures(world, runs)
     text = (
         f"The whole chain with profile `default`, {asked.runs or RUNS} runs a world (seeds from "
-        f"{asked.first_seed}, the sides in turn): mapping with local maps, then five traversals of each map "
-        "without and with local maps driven. *rotated*: by 17 degrees; *smaller*, *larger*: by 20 %; "
-        f"*noisier*: all noise {NOISIER:g} times the preset. Cells: mean (worst) over runs, nodes or places; "
-        "the last columns count completed runs of five traversals. *Kept*: every mean is within the target "
-        "plus a third of its margin over the published figure, every loop closed rightly (or called "
-        "ambiguous), no run lost."
+        f"{asked.first_seed}, the sides in turn): mapping with local maps, then five traversals of each "
+        "map without and with local maps driven (imported worlds: without local maps). *rotated*: by 17 "
+        f"degrees; *smaller*, *larger*: by 20 %; *noisier*: all noise {NOISIER:g} times the preset. Cells: "
+        "mean (worst) over runs, nodes or places; the last columns count completed runs of five "
+        "traversals. *Kept*: every mean is within the target plus a third of its margin over the "
+        "published figure, every loop closed rightly (or called ambiguous), no run lost."
     )
     parts = [text, markdown_table(header, lines)]
     if lost:

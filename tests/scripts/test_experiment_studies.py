@@ -63,6 +63,13 @@ def test_variants_map_every_world_from_both_sides_and_drive_each_map_twice() -> 
     assert all(int(str(job.settings["seed"])) >= 1000 for job in jobs)
 
 
+def test_imported_worlds_are_mapped_without_local_maps_and_driven_from_node_to_node() -> None:
+    asked = Asked(runs=2, environments=(), imported=("map.yaml x0.4",))
+    jobs, _ = jobs_of(VARIANTS, asked, mapping())
+    assert [job.settings["local_maps"] for job in jobs if job.settings["kind"] == "map"] == [False, False]
+    assert [job.settings["corrected"] for job in jobs if job.settings["kind"] == "traverse"] == [False, False]
+
+
 def test_a_map_that_did_not_get_round_is_not_driven_and_says_why() -> None:
     lost = mapping(finished=False, loop_correct=None, reason="3 rounds without recognizing a corner")
     jobs, results = jobs_of(VARIANTS, ASKED, lost)
