@@ -72,20 +72,6 @@ class LocalSamples:
 
 
 @dataclass(frozen=True, slots=True)
-class TurnBy:
-    """Turn in place by `angle` (rad, counter-clockwise), by path integration."""
-
-    angle: float
-
-
-@dataclass(frozen=True, slots=True)
-class DriveBy:
-    """Drive `distance` (m, negative: backwards) straight on, by path integration."""
-
-    distance: float
-
-
-@dataclass(frozen=True, slots=True)
 class PlacesDriven:
     """How local navigation went. reached: how many of the places; pose: where it ended, same frame."""
 
