@@ -147,10 +147,9 @@ class Agent:
         self._suspended.discard(name)
 
     def close(self) -> None:
-        """Stops all behaviors and gives back what the agent holds of the process (the hang alarm)."""
+        """Stops all behaviors."""
         for port in tuple(self._active):
             self._leave(port)
-        self._watch.close()
 
     # --- the tick ------------------------------------------------------------------------------------
 

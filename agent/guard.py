@@ -68,19 +68,19 @@ class Watch:
     __slots__ = ("_armed", "_budget", "_hang", "_previous", "_started")
 
     def __init__(self, budget: float | None, hang: float | None = None) -> None:
-        """With `hang` it takes over SIGALRM until `close`."""
+        """With `hang` it takes over SIGALRM, within a call alone."""
         usable = hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread()
         self._budget = math.inf if budget is None else budget
         self._hang = hang if usable else None
         self._armed = False
         self._started = 0.0
-        self._previous: Any = signal.signal(signal.SIGALRM, self._expired) if self._hang else None
+        self._previous: Any = None
 
     def __enter__(self) -> None:
         """Starts the clock."""
         if self._hang is not None:
             self._armed = True
-            signal.signal(signal.SIGALRM, self._expired)  # another agent's watch may have it
+            self._previous = signal.signal(signal.SIGALRM, self._expired)
             signal.setitimer(signal.ITIMER_REAL, self._hang, self._hang)
         self._started = time.perf_counter()
 
@@ -90,15 +90,9 @@ class Watch:
         if self._hang is not None:
             self._armed = False
             signal.setitimer(signal.ITIMER_REAL, 0.0)
+            signal.signal(signal.SIGALRM, self._previous or signal.SIG_DFL)
         if elapsed > self._budget and kind is None:
             raise BudgetExceededError(f"took {elapsed * 1e3:.0f} ms, more than {self._budget * 1e3:g} ms")
-
-    def close(self) -> None:
-        """Gives SIGALRM back."""
-        if self._hang is not None:
-            signal.setitimer(signal.ITIMER_REAL, 0.0)
-            signal.signal(signal.SIGALRM, self._previous)
-            self._hang = None
 
     def _expired(self, signum: int, frame: FrameType | None) -> None:
         # Not armed: it answered just now, and the agent's own code must not be interrupted.

@@ -19,6 +19,7 @@ from tolman.world import open_world
 ALLOWED = 5.0
 """MB that the process may grow by after the first tenth: caches of squares of the floor fill up slowly."""
 LOOK_EVERY = 500
+"""Steps between camera images; fewer in a short run, so that its first tenth has some too."""
 
 
 def memory() -> float:
@@ -33,13 +34,15 @@ def soak(steps: int, world: str, model: str) -> list[float]:
     agent = Agent(arena.robots[0], [ObstacleAvoidance(), Wander()])
     for name in agent.behaviors:
         agent.start(name)
+    tenth = max(1, steps // 10)
+    look_every = min(LOOK_EVERY, max(1, tenth // 2))
     readings, began = [], time.perf_counter()
     for step in range(1, steps + 1):
         agent.tick()
         arena.step()
-        if step % LOOK_EVERY == 0:
+        if step % look_every == 0:
             arena.robots[0].look()
-        if step % (steps // 10) == 0:
+        if step % tenth == 0:
             readings.append(memory())
             took = time.perf_counter() - began
             print(

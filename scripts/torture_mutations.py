@@ -41,6 +41,7 @@ def _batch(source: Path, truth: str, numbers: range, seed: int, folder: Path) ->
     child = os.fork()
     if child == 0:
         os.close(reading)
+        signal.signal(signal.SIGALRM, signal.SIG_DFL)  # so that an alarm kills, also out of C code
         with os.fdopen(writing, "w") as out:
             for number in numbers:
                 signal.alarm(PATIENCE)

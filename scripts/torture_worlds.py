@@ -142,13 +142,15 @@ def torment(name: str, mutations: int, told: Any) -> None:
     Before each file its seed is sent, so that a death can be blamed on it. Memory is capped: what asks for
     more gets a MemoryError, a fault like any other exception.
     """
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)  # so that an alarm kills, also out of C code
+    signal.alarm(PATIENCE)
     check(name, 0)
     before = _memory()
     resource.setrlimit(resource.RLIMIT_AS, (_address_space() + MEMORY_LIMIT, resource.RLIM_INFINITY))
     valid, faults = 0, []
     for seed in range(mutations):
         told.send(seed)
-        signal.alarm(PATIENCE)  # not handled: it kills, also out of C code
+        signal.alarm(PATIENCE)
         try:
             valid += check(name, seed)
         except Exception as error:
