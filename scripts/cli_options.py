@@ -6,6 +6,7 @@ import argparse
 import math
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from ..world.robot import Pose, wrap_angle
 from .cli_errors import did_you_mean
@@ -100,7 +101,7 @@ def add_force(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--force", action="store_true", help="replace an existing output file")
 
 
-def add_scale(parser: argparse.ArgumentParser) -> None:
+def add_scale(parser: argparse._ActionsContainer) -> None:
     """Adds --scale."""
     parser.add_argument(
         "--scale",
@@ -160,11 +161,23 @@ def add_simulation(parser: argparse.ArgumentParser) -> None:
         metavar="DIR",
         help="folder whose .py files hold further behaviors (may be given more than once)",
     )
+    group.add_argument(
+        "--isolate", action="store_true", help="run the behaviors of --plugins in subprocesses"
+    )
+    add_scale(group)
     add_json(parser)
 
 
-def add_isolate(parser: argparse.ArgumentParser) -> None:
-    """Adds `--isolate`."""
-    parser.add_argument(
-        "--isolate", action="store_true", help="run the behaviors of --plugins in subprocesses"
-    )
+def simulation_values(options: argparse.Namespace) -> dict[str, Any]:
+    """The fields of a `Simulation`, from the options that `add_simulation` adds."""
+    return {
+        "seed": options.seed,
+        "noise": options.noise,
+        "noise_scale": options.noise_scale,
+        "profile": options.profile,
+        "model": options.robot_model,
+        "config": options.config,
+        "plugins": tuple(options.plugins),
+        "scale": options.scale,
+        "isolate": options.isolate,
+    }

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from .cli_command import Command
-from .cli_options import add_isolate, add_scale, add_simulation, node, pose
+from .cli_options import add_simulation, node, pose, simulation_values
 from .cli_output import ProgressLine, check_input, check_output, print_json, stdout_to_stderr
 
 DESCRIPTION = """Loads a map and drives to one of its nodes. Without --from, --at or --lost the robot
@@ -32,13 +32,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--world", metavar="WORLD", help="drive in this world instead of the one the map was made in"
     )
-    add_scale(parser)
     parser.add_argument("--learn", action="store_true", help="let the map learn from the trip")
     parser.add_argument(
         "--record", type=Path, metavar="RUN", help="record the trip, for `tolman replay` and `tolman explain`"
     )
     add_simulation(parser)
-    add_isolate(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -58,15 +56,7 @@ def run(options: argparse.Namespace) -> int:
         lost=options.lost,
         world=options.world,
         learn=options.learn,
-        seed=options.seed,
-        noise=options.noise,
-        noise_scale=options.noise_scale,
-        profile=options.profile,
-        model=options.robot_model,
-        config=options.config,
-        plugins=tuple(options.plugins),
-        scale=options.scale,
-        isolate=options.isolate,
+        **simulation_values(options),
         record=options.record,
     )
     line = ProgressLine()

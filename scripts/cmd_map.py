@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING
 from .cli_command import Command
 from .cli_options import (
     add_force,
-    add_isolate,
-    add_scale,
     add_simulation,
     integer,
     number,
     one_of,
     picture,
     pose,
+    simulation_values,
 )
 from .cli_output import ProgressLine, check_input, check_output, print_json, stdout_to_stderr
 
@@ -66,7 +65,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="once the loop is closed, look for obstacles that stand free, and map them too",
     )
-    add_scale(parser)
     parser.add_argument("--resume", action="store_true", help="go on from the last node saved in FILE")
     add_force(parser)
     parser.add_argument(
@@ -76,7 +74,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--record", type=Path, metavar="RUN", help="record the run, for `tolman replay` and `tolman explain`"
     )
     add_simulation(parser)
-    add_isolate(parser)
 
 
 def check(options: argparse.Namespace) -> None:
@@ -114,15 +111,7 @@ def run(options: argparse.Namespace) -> int:
         resume=options.resume,
         force=options.force,
         record=options.record,
-        seed=options.seed,
-        noise=options.noise,
-        noise_scale=options.noise_scale,
-        profile=options.profile,
-        model=options.robot_model,
-        config=options.config,
-        plugins=tuple(options.plugins),
-        scale=options.scale,
-        isolate=options.isolate,
+        **simulation_values(options),
     )
     line = ProgressLine()
 

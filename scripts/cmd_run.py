@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .cli_command import Command
-from .cli_options import add_force, add_simulation, number, pose
+from .cli_options import add_force, add_simulation, number, pose, simulation_values
 from .cli_output import ProgressLine, check_input, check_output, print_json, stdout_to_stderr
 
 if TYPE_CHECKING:
@@ -36,9 +36,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--journal", type=Path, metavar="FILE", help="keep completed steps there")
     parser.add_argument("--resume", action="store_true", help="go on from the --journal")
     parser.add_argument("--record", type=Path, metavar="RUN", help="record the run, for replay and explain")
-    parser.add_argument(
-        "--isolate", action="store_true", help="run the behaviors of --plugins in subprocesses"
-    )
     add_force(parser)
     add_simulation(parser)
 
@@ -74,14 +71,7 @@ def _request(options: argparse.Namespace) -> MissionRequest:
         resume=options.resume,
         force=options.force,
         record=options.record,
-        isolate=options.isolate,
-        seed=options.seed,
-        noise=options.noise,
-        noise_scale=options.noise_scale,
-        profile=options.profile,
-        model=options.robot_model,
-        config=options.config,
-        plugins=tuple(options.plugins),
+        **simulation_values(options),
     )
 
 

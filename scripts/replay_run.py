@@ -52,8 +52,9 @@ def replay(path: Path) -> ReplayReport:
     kind = str(recording.header.get("kind"))
     if kind not in _REPLAYS:
         raise RecordingError(f"{path}: a recording of kind {kind!r}; known: {', '.join(_REPLAYS)}")
-    name = str(recording.header["request"].get("world") or recording.header.get("world"))
-    spec = find_world(name)
+    asked = recording.header["request"]
+    name = str(asked.get("world") or recording.header.get("world"))
+    spec = find_world(name, float(asked.get("scale", 1.0)))
     if spec.digest != recording.header.get("world_digest"):
         raise RecordingError(f"{path}: recorded in another {name} than the one known by that name here")
     world = ReplayWorld(recording, spec)

@@ -42,6 +42,11 @@ def test_a_recorded_mapping_replays_to_the_bit(run: MapRequest) -> None:
     assert report.ticks == len(read_recording(run.record).ticks)
 
 
+def test_so_does_one_in_a_world_of_another_scale(run: MapRequest, tmp_path: Path) -> None:
+    map_world(replace(run, output=tmp_path / "m", record=tmp_path / "r", max_nodes=2, scale=1.1))
+    assert replay(tmp_path / "r").identical
+
+
 @pytest.mark.slow
 def test_so_does_one_with_a_local_map(run: MapRequest, tmp_path: Path) -> None:
     request = replace(
