@@ -53,11 +53,11 @@ TARGETS = {
         "bench",
         [
             ["-m", "benchmarks.bench"],
-            ["-m", "tolman.scripts.bench_tick"],
-            ["-m", "tolman.scripts.bench_maps"],
+            ["-m", "benchmarks.tick"],
+            ["-m", "benchmarks.maps"],
         ],
     ),
-    "torture": ("", [["-m", "tolman.scripts.torture_worlds"], ["-m", "tolman.scripts.torture", "all"]]),
+    "torture": ("", [["-m", "tolman.scripts.torture.worlds"], ["-m", "tolman.scripts.torture", "all"]]),
     "format": ("dev", [["-m", "ruff", "check", "--fix", "."], ["-m", "ruff", "format", "."]]),
 }
 """Target -> (the extra of pyproject.toml it needs, the arguments of each Python process to run in turn)."""

@@ -12,29 +12,28 @@ import re
 import sys
 from collections.abc import Sequence
 from importlib.metadata import version
-from importlib.util import find_spec
 from typing import NoReturn
 
 from .cli_command import Command
 from .cli_errors import UsageError, describe, did_you_mean, status_of
 
 COMMANDS = {
-    "worlds": "cmd_worlds:COMMAND",
-    "map": "cmd_map:COMMAND",
-    "go": "cmd_go:COMMAND",
-    "info": "cmd_info:COMMAND",
-    "plot": "cmd_plot:COMMAND",
-    "validate": "cmd_validate:COMMAND",
-    "export": "cmd_export:COMMAND",
-    "diff": "cmd_diff:COMMAND",
-    "merge": "cmd_diff:MERGE",
-    "run": "cmd_run:COMMAND",
-    "replay": "cmd_replay:COMMAND",
-    "explain": "cmd_replay:EXPLAIN",
-    "plugins": "cmd_plugins:COMMAND",
-    "experiment": "cmd_experiment:COMMAND",
+    "worlds": "worlds:COMMAND",
+    "map": "map:COMMAND",
+    "go": "go:COMMAND",
+    "info": "info:COMMAND",
+    "plot": "plot:COMMAND",
+    "validate": "validate:COMMAND",
+    "export": "export:COMMAND",
+    "diff": "diff:COMMAND",
+    "merge": "diff:MERGE",
+    "run": "run:COMMAND",
+    "replay": "replay:COMMAND",
+    "explain": "replay:EXPLAIN",
+    "plugins": "plugins:COMMAND",
+    "experiment": "experiment:COMMAND",
 }
-"""Command -> module of this package and the `Command` in it, in the order of --help."""
+"""Command -> module of `commands` and the `Command` in it, in the order of --help."""
 
 EPILOG = """examples:
   tolman worlds                                    what there is to explore
@@ -72,7 +71,7 @@ def build_parser(command: Command) -> Parser:
 
 def build_main_parser() -> Parser:
     """The parser of what stands before the command; it also prints the list of commands."""
-    commands = "\n".join(f"  {name:<12}{load(name).summary}" for name in known_commands())
+    commands = "\n".join(f"  {name:<12}{load(name).summary}" for name in COMMANDS)
     parser = Parser(
         prog="tolman",
         usage="tolman COMMAND [OPTIONS]",
@@ -86,16 +85,10 @@ def build_main_parser() -> Parser:
     return parser
 
 
-def known_commands() -> list[str]:
-    """The commands whose module is there."""
-    modules = {name: target.partition(":")[0] for name, target in COMMANDS.items()}
-    return [name for name, module in modules.items() if find_spec(f"{__package__}.{module}")]
-
-
 def load(name: str) -> Command:
     """Imports a command; only then is anything loaded that it needs."""
     module, _, attribute = COMMANDS[name].partition(":")
-    command = getattr(importlib.import_module(f".{module}", __package__), attribute)
+    command = getattr(importlib.import_module(f".commands.{module}", __package__), attribute)
     assert isinstance(command, Command)
     return command
 
@@ -116,9 +109,9 @@ def parse(arguments: Sequence[str]) -> tuple[Command, argparse.Namespace]:
     if not arguments or arguments[0].startswith("-"):
         main_parser = build_main_parser()
         main_parser.parse_args(arguments)
-        main_parser.error("name a command: " + ", ".join(known_commands()))
+        main_parser.error("name a command: " + ", ".join(COMMANDS))
     name, *rest = arguments
-    known = known_commands()
+    known = COMMANDS
     if name not in known:
         raise UsageError(
             f"unknown command {name!r}{did_you_mean(name, known)} (commands: {', '.join(known)})"

@@ -95,11 +95,13 @@ def test_the_wheel_alone_runs_the_command(installed: Path, tmp_path: Path) -> No
     assert "env1" in listed.stdout.split()
 
 
-def test_every_folder_is_installed_and_flat() -> None:
-    assert set(PROJECT["tool"]["setuptools"]["packages"]) == {f"tolman.{folder}" for folder in FOLDERS}
+def test_every_folder_is_installed_and_seen_by_static_tools() -> None:
+    packages = set()
     for folder in FOLDERS:
-        packages = [path.parent.name for path in (ROOT / folder).glob("*/__init__.py")]
-        assert packages == [], f"{folder}/ must stay flat: nested packages are missing from the wheel"
+        inside = [path.parent.relative_to(ROOT) for path in (ROOT / folder).rglob("__init__.py")]
+        packages |= {".".join(["tolman", *path.parts]) for path in inside}
+    assert set(PROJECT["tool"]["setuptools"]["packages"]) == packages
+    for folder in FOLDERS:
         assert (ROOT / "typings" / "tolman" / folder).resolve() == ROOT / folder
 
 

@@ -11,7 +11,7 @@ import yaml
 from tolman.maps import Comparison, HybridMap, export, merge, read_json
 from tolman.maps.errors import MapError, MapFileExistsError
 from tolman.maps.json_map import from_json, schema, to_json
-from tolman.scripts.torture_maps import map_made_up_world
+from tolman.scripts.torture.maps import map_made_up_world
 
 
 @pytest.fixture(scope="module")

@@ -16,13 +16,13 @@ from tolman.maps.errors import (
     MapFileLockedError,
 )
 from tolman.maps.map_file import read_extensions, read_state
-from tolman.scripts.torture import faults
-from tolman.scripts.torture_disks import full, readonly
-from tolman.scripts.torture_kills import kills
-from tolman.scripts.torture_maps import content_digest, map_made_up_world
-from tolman.scripts.torture_mutants import MUTATIONS
-from tolman.scripts.torture_mutations import mutations
-from tolman.scripts.torture_pairs import pairs
+from tolman.scripts.torture.disks import full, readonly
+from tolman.scripts.torture.faults import faults
+from tolman.scripts.torture.kills import kills
+from tolman.scripts.torture.maps import content_digest, map_made_up_world
+from tolman.scripts.torture.mutants import MUTATIONS
+from tolman.scripts.torture.mutations import mutations
+from tolman.scripts.torture.pairs import pairs
 
 GOLDEN = Path(__file__).parent / "data" / "version1.tolman"
 GOLDEN_DIGEST = (Path(__file__).parent / "data" / "version1.digest").read_text().strip()

@@ -68,7 +68,7 @@ def test_nothing_drawn_lies_outside_the_picture() -> None:
 
 
 def test_the_command_line_does_not_load_matplotlib_until_it_draws() -> None:
-    program = "import sys, tolman.scripts.cmd_map, tolman.scripts.cmd_go; print('matplotlib' in sys.modules)"
+    program = "import sys; from tolman.scripts.commands import go, map; print('matplotlib' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout == "False\n"
 

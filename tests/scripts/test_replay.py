@@ -132,7 +132,7 @@ def test_a_recording_of_another_world_of_that_name_is_refused(
     from tolman.world.arenas import find_world
 
     other = find_world("env2")
-    monkeypatch.setattr("tolman.scripts.replay_run.find_world", lambda name: other)
+    monkeypatch.setattr("tolman.scripts.replay_run.find_world", lambda name, scale: other)
     assert run.record is not None
     with pytest.raises(RecordingError, match="recorded in another env1"):
         replay(run.record)

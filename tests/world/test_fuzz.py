@@ -3,8 +3,8 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tolman.scripts import torture_worlds
-from tolman.scripts.torture_worlds import READERS, campaign, check
+from tolman.scripts.torture import worlds as torture_worlds
+from tolman.scripts.torture.worlds import READERS, campaign, check
 
 
 @pytest.mark.parametrize("name", sorted(READERS))

@@ -1,0 +1,1 @@
+"""Campaigns that torment the readers of map and world files, and the writer of maps. POSIX only."""
