@@ -92,5 +92,5 @@ class MismatchLearner:
         if wall is None or not is_even(event):
             return
         turned = wrap_angle(event.heading - wall.heading)
-        self.estimate.straight(self._agent.robot.geometry.track, turned, event.path_length - SETTLED)
+        self.estimate.straight(self._agent.robot.geometry.track, turned, event.path_length - wall.path_length - event.blind)
         self._agent.odometry.mismatch = self.estimate.value

@@ -81,6 +81,8 @@ class CornerReached(Event):
     heading: rad, path-integrated, of the wall just followed. turn: rad, counter-clockwise, that the robot is
     going to turn in place to follow the next wall, as far as it can tell from here. crook: rad, by how much
     the direction of the wall just followed changed within 10 cm, at most; walls that are straight have none.
+    blind: m of the path, the last, on which nothing told the wall's direction: before a convex corner it has
+    ended already, and `heading` is that of before.
     """
 
     side: str
@@ -89,6 +91,7 @@ class CornerReached(Event):
     heading: float
     turn: float
     crook: float = 0.0
+    blind: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,10 +99,12 @@ class WallMet(Event):
     """The wall follower has followed enough of a wall to know its direction.
 
     heading: rad, path-integrated, of the wall. After a corner: `CornerReached` told that of the wall before.
+    path_length: m driven since the last corner or bend.
     """
 
     side: str
     heading: float
+    path_length: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

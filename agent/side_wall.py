@@ -59,8 +59,8 @@ class SideWall:
         self._filter = WallFilter(line[0], line[1], 0.03)
         self._rival, self._refused = None, 0
 
-    def see(self, line: tuple[float, float] | None, reach: float, ahead: bool) -> None:
-        """Takes one tick's sight of the wall.
+    def see(self, line: tuple[float, float] | None, reach: float, ahead: bool) -> bool:
+        """Takes one tick's sight of the wall; whether that told its direction.
 
         line: as `SideView.side_wall` gives it. reach: m from the center to what is abreast. ahead: whether
         a front sensor on this side hits something.
@@ -69,15 +69,19 @@ class SideWall:
         abreast = reach * math.cos(wall.angle)
         if line is None:
             wall.correct_distance(abreast)
-        elif ahead and line[1] < wall.angle - _AHEAD and abs(abreast - wall.distance) < _OFF:
+            return False
+        if ahead and line[1] < wall.angle - _AHEAD and abs(abreast - wall.distance) < _OFF:
             # The diagonal sensor hits the next wall already, the side sensor still this one.
             wall.correct_distance(abreast)
-        elif wall.correct(line):
+            return False
+        if wall.correct(line):
             self._rival, self._refused = None, 0
         elif wall.samples < 3:
             self.meet(line)
         else:
             self._refuse(line, abreast)
+            return self._filter is not wall
+        return True
 
     def _refuse(self, line: tuple[float, float], abreast: float) -> None:
         """The line seen is not the wall's: a corner ahead, a step in the wall, or the wall bends."""

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from ..world.robot import Pose, wrap_angle
 from .boundary import BEND, Way
-from .calibration import SETTLED, MismatchEstimate, is_even
+from .calibration import MismatchEstimate, is_even
 
 if TYPE_CHECKING:
     from .events import CornerReached, WallMet
@@ -26,10 +26,14 @@ _UNSURE = 0.003
 
 @dataclass(frozen=True, slots=True)
 class _Passed:
-    """What was driven (m) and turned (rad) along this wall up to a bend that was none."""
+    """What was driven (m) and turned (rad) along this wall up to a bend that was none.
+
+    settled: m of it, the first, after which its direction was known.
+    """
 
     length: float = 0.0
     swing: float = 0.0
+    settled: float | None = None
 
 
 class WayMeter:
@@ -74,7 +78,7 @@ class WayMeter:
         event = replace(event, path_length=event.path_length + self._passed.length)
         swing += self._passed.swing
         if event.kind == BEND and self.mismatch.explains(self._track, swing, event.path_length):
-            self._passed = _Passed(event.path_length, swing)
+            self._passed = _Passed(event.path_length, swing, self._settled)
             return None
         way = self._way(event, swing)
         self._passed = _Passed()
@@ -104,9 +108,16 @@ class WayMeter:
             if not self._is_straight(event, swing, math.hypot(end.x, end.y)):
                 return Way(end.x, end.y, swing)
         if self._learn and is_even(event):
-            self.mismatch.straight(self._track, swing, event.path_length - SETTLED)
+            self.mismatch.straight(self._track, swing, event.path_length - self._settled - event.blind)
             self._odometry.mismatch = self.mismatch.value
         return None
+
+    @property
+    def _settled(self) -> float:
+        """Meters of this wall after which its direction was known."""
+        if self._passed.settled is not None:
+            return self._passed.settled
+        return self._wall.path_length if self._wall is not None else 0.0
 
     def _is_straight(self, event: CornerReached, swing: float, chord: float) -> bool:
         """Whether the wall just followed was, as far as the wheels can be trusted. chord: m, end to end."""

@@ -97,7 +97,7 @@ class WallFollowing(Behavior):
         self._side = "right"
         self._reach: float | None = None
         self._wall = SideWall(self.config.distance)
-        self._path = 0.0
+        self._path = self._seen = 0.0
         self._leg = 0.0
         self._misses = 0
         self._remaining = 0.0
@@ -200,7 +200,8 @@ class WallFollowing(Behavior):
             return self._drive(-config.angle_gain * self._wall.angle)
         self._misses = 0
         reach = context.geometry.body_radius + view.side
-        self._wall.see(view.side_wall(), reach, view.near < math.inf)
+        if self._wall.see(view.side_wall(), reach, view.near < math.inf):
+            self._seen = self._path
         return self._keep(view, reach)
 
     def _keep(self, view: SideView, abreast: float) -> WheelCommand:
@@ -316,6 +317,7 @@ class WallFollowing(Behavior):
 
     def _tell(self, kind: str, remaining: float, context: Context) -> None:
         path, self._path = self._path, 0.0
+        blind, self._seen = path - self._seen, 0.0
         course, self._course = self._course, WallCourse()
         self.emit(
             CornerReached(
@@ -326,6 +328,7 @@ class WallFollowing(Behavior):
                 heading=self._wall_direction(context),
                 turn=remaining * (self._view.sign if self._view is not None else 1.0),
                 crook=course.crook,
+                blind=blind,
             ),
             context,
         )
@@ -349,8 +352,9 @@ class WallFollowing(Behavior):
     def _publish_wall(self, context: Context) -> None:
         if not self._settled:
             self._settled = True
+            heading = self._wall_direction(context)
             self.emit(
-                WallMet(time=context.time, side=self._side, heading=self._wall_direction(context)), context
+                WallMet(time=context.time, side=self._side, heading=heading, path_length=self._path), context
             )
 
     def _wall_direction(self, context: Context) -> float:
