@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 from ..world.robot import wrap_angle
 from .boundary import BEND
 from .events import CornerReached, WallMet
+from .path_integration import MISMATCH
 
 if TYPE_CHECKING:
     from .agent import Agent
+    from .path_integration import PathIntegrator
 
 SETTLED = 0.03
 """Meters of a wall that were followed before its direction was told."""
@@ -30,9 +32,18 @@ class MismatchEstimate:
     """
 
     value: float = 0.0
-    variance: float = 0.00015
+    variance: float = MISMATCH**2
     tick_turn: float = 0.0015
     tangent: float = 0.006
+
+    @classmethod
+    def of(cls, odometry: PathIntegrator) -> Self:
+        """What odometry has been told."""
+        return cls(odometry.mismatch, odometry.mismatch_deviation**2)
+
+    def apply(self, odometry: PathIntegrator) -> None:
+        """Has odometry use it."""
+        odometry.mismatch, odometry.mismatch_deviation = self.value, math.sqrt(self.variance)
 
     def straight(self, track: float, turned: float, length: float) -> None:
         """Takes a straight stretch: `turned` (rad) by odometry, already with `value`, over `length` m."""
@@ -71,7 +82,7 @@ class MismatchLearner:
 
     def __init__(self, agent: Agent, estimate: MismatchEstimate | None = None) -> None:
         """Subscribes to what the wall follower tells of walls. estimate: None: begins at odometry's."""
-        self.estimate = estimate if estimate is not None else MismatchEstimate(agent.odometry.mismatch)
+        self.estimate = estimate if estimate is not None else MismatchEstimate.of(agent.odometry)
         self._agent = agent
         self._wall: WallMet | None = None
         self._subscriptions = [
@@ -92,5 +103,7 @@ class MismatchLearner:
         if wall is None or not is_even(event):
             return
         turned = wrap_angle(event.heading - wall.heading)
-        self.estimate.straight(self._agent.robot.geometry.track, turned, event.path_length - wall.path_length - event.blind)
-        self._agent.odometry.mismatch = self.estimate.value
+        self.estimate.straight(
+            self._agent.robot.geometry.track, turned, event.path_length - wall.path_length - event.blind
+        )
+        self.estimate.apply(self._agent.odometry)

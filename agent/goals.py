@@ -46,6 +46,7 @@ class ExploreLocally:
     as (direction to it in rad, distance from the node in m, standard deviation of the direction in rad).
     square: whether all walls are known to stand at right angles to these. corner: of the node; at a convex
     one no wall is near. points: obstacles known already (m, the node's frame), such as that corner's edge.
+    veer: standard deviation (rad/m) of what unequal wheels may turn unnoticed.
     """
 
     strategy: str = "rows"
@@ -54,6 +55,7 @@ class ExploreLocally:
     square: bool = False
     corner: str = "concave"
     points: tuple[tuple[float, float], ...] = ()
+    veer: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

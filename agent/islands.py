@@ -177,7 +177,7 @@ class IslandMapper:
         if state["mapper"] is not None:
             self.mapper.restore(state["mapper"])
         self._mismatch.value, self._mismatch.variance = state["mismatch"]
-        self.agent.odometry.mismatch = self._mismatch.value
+        self._mismatch.apply(self.agent.odometry)
         self.mapper.heading = state["heading"]
         if state["scouting"] is not None:
             self._scouting = Scouting.restored(state["scouting"], self.config)

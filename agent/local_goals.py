@@ -15,12 +15,14 @@ _BEYOND = 0.03
 class LocalBelief:
     """What `agent.local_pose.LocalPose` holds, so that one behavior can go on for another.
 
-    pose: x, y (m), heading (rad), local frame. covariance: xx, xy, xt, yy, yt, tt. walls: each as normal
+    pose: x, y (m), heading (rad), local frame, veer (rad/m). covariance: xx, xy, xt, yy, yt, tt; veer: its
+    covariances with x, y and heading, and its variance. walls: each as normal
     (rad), offset (m), their variances, and a lookout's x, y (m). square: all walls stand at right angles.
     """
 
-    pose: tuple[float, float, float]
+    pose: tuple[float, float, float, float]
     covariance: tuple[float, float, float, float, float, float]
+    veer: tuple[float, float, float, float]
     walls: tuple[tuple[float, float, float, float, float, float], ...] = ()
     square: bool = False
 

@@ -54,7 +54,7 @@ class LocalNavigator:
         self._units: list[int] = []
         self._ahead: list[int] = []
         self._homeward = False
-        self._belief = LocalPose(square=self._square)
+        self._belief = LocalPose(square=self._square, veer=self.agent.odometry.veer)
         if self._landmarks:
             walls = walls_at(self._side, self._corner, square=self._square, distance=_WALL_DISTANCE)
             self._belief.know_corner(self._corner, walls if self._corner != "none" else ())

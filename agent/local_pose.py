@@ -16,6 +16,9 @@ _DOUBT, _DOUBT_PLACE = math.radians(4.0), 0.009
 """Standard deviations of the heading (rad) and the place (m) beyond which a pose is doubtful."""
 _FOOT = 0.001
 """Standard deviation (m) of the distance to a wall swept over."""
+_HEADING, _BLIND_HEADING = 0.0063, 0.0165
+"""Standard deviations (rad) of the heading at a node: beside the wall followed to it, and at a convex corner,
+where that wall was last seen 10 cm before."""
 
 
 @dataclass(slots=True)
@@ -33,7 +36,10 @@ class Landmark:
 
 
 class LocalPose:
-    """Extended Kalman filter of (x, y, heading) in the local frame (m, rad); the heading is not wrapped.
+    """Extended Kalman filter of the pose (m, rad) in the local frame; the heading is not wrapped.
+
+    The state is (x, y, heading, veer): what unequal wheels turn in a meter (rad) is an error that goes on in
+    the same way, and known walls tell it too.
 
     Walls met while the pose is well known become landmarks that correct it later. square: all walls stand at
     right angles to the frame's axes, so that a wall tells the heading even when first met.
@@ -43,17 +49,23 @@ class LocalPose:
 
     turn_noise = 0.012
     drive_noise = 0.0035
-    drift = 0.06
+    drift = 0.05
 
-    def __init__(self, heading: float = 0.0, square: bool = False) -> None:
-        """At the origin, well known, with the heading of a wall just followed."""
+    def __init__(self, heading: float = 0.0, square: bool = False, veer: float = 0.0) -> None:
+        """At the origin, well known, with the heading of a wall just followed.
+
+        veer: standard deviation (rad/m) of what the wheels may still turn unnoticed.
+        """
         self.x = self.y = 0.0
         self.heading = heading
+        self.veer = 0.0
         self.square = square
         self.landmarks: list[Landmark] = []
         self._xx = self._yy = 1e-6
         self._xy = self._xt = self._yt = 0.0
-        self._tt = 4e-5
+        self._tt = _HEADING**2
+        self._xv = self._yv = self._tv = 0.0
+        self._vv = veer * veer
 
     @property
     def pose(self) -> Pose:
@@ -77,6 +89,7 @@ class LocalPose:
 
     def move(self, distance: float, turn: float) -> None:
         """One tick of path integration (m, rad)."""
+        turn += self.veer * distance
         middle = self.heading + 0.5 * turn
         dx, dy = distance * math.cos(middle), distance * math.sin(middle)
         self.x += dx
@@ -87,9 +100,12 @@ class LocalPose:
         self._xx += -2.0 * dy * xt + dy * dy * tt + drive
         self._yy += 2.0 * dx * yt + dx * dx * tt + drive
         self._xy += dx * xt - dy * yt - dx * dy * tt
-        self._xt = xt - dy * tt
-        self._yt = yt + dx * tt
-        self._tt = tt + self.turn_noise**2 * abs(turn) + self.drift**2 * abs(distance)
+        xv, yv, tv = self._xv - dy * self._tv, self._yv + dx * self._tv, self._tv
+        self._xt = xt - dy * tt + distance * xv
+        self._yt = yt + dx * tt + distance * yv
+        self._tt = tt + distance * (2.0 * tv + distance * self._vv)
+        self._tt += self.turn_noise**2 * abs(turn) + self.drift**2 * abs(distance)
+        self._xv, self._yv, self._tv = xv, yv, tv + distance * self._vv
 
     def know(
         self, normal: float, distance: float, deviation: float, lookout: tuple[float, float] = (0.0, 0.0)
@@ -98,7 +114,9 @@ class LocalPose:
         self.landmarks.append(Landmark(normal, distance, deviation**2, 0.001**2, lookout))
 
     def know_corner(self, kind: str, walls: tuple[tuple[float, float, float], ...]) -> None:
-        """Tells the walls of a corner of that kind, as `local_goals.walls_at` gives them."""
+        """Tells that it begins at a corner of that kind, with walls as `local_goals.walls_at` gives them."""
+        if kind == "convex":
+            self._tt = _BLIND_HEADING**2
         for index, wall in enumerate(walls):
             self.know(*wall, lookout_of(kind, walls, index))
 
@@ -116,8 +134,9 @@ class LocalPose:
     def belief(self) -> LocalBelief:
         """All that is held, as plain data."""
         return LocalBelief(
-            (self.x, self.y, self.heading),
+            (self.x, self.y, self.heading, self.veer),
             (self._xx, self._xy, self._xt, self._yy, self._yt, self._tt),
+            (self._xv, self._yv, self._tv, self._vv),
             tuple(
                 (mark.normal, mark.offset, mark.normal_variance, mark.offset_variance, *mark.lookout)
                 for mark in self.landmarks
@@ -130,6 +149,8 @@ class LocalPose:
         """The pose of a `belief`."""
         pose = cls(belief.pose[2], belief.square)
         pose.x, pose.y = belief.pose[:2]
+        pose.veer = belief.pose[3]
+        pose._xv, pose._yv, pose._tv, pose._vv = belief.veer
         pose._xx, pose._xy, pose._xt, pose._yy, pose._yt, pose._tt = belief.covariance
         pose.landmarks = [Landmark(*wall[:4], wall[4:]) for wall in belief.walls]
         return pose
@@ -197,10 +218,12 @@ class LocalPose:
         px = self._xx * hx + self._xy * hy + self._xt * ht
         py = self._xy * hx + self._yy * hy + self._yt * ht
         pt = self._xt * hx + self._yt * hy + self._tt * ht
+        pv = self._xv * hx + self._yv * hy + self._tv * ht
         total = hx * px + hy * py + ht * pt + variance
         if error * error > _GATE * total:
             return False
-        kx, ky, kt = px / total, py / total, pt / total
+        kx, ky, kt, kv = px / total, py / total, pt / total, pv / total
+        self.veer += kv * error
         self.x += kx * error
         self.y += ky * error
         self.heading += kt * error
@@ -210,4 +233,8 @@ class LocalPose:
         self._xt -= kx * pt
         self._yt -= ky * pt
         self._tt -= kt * pt
+        self._xv -= kx * pv
+        self._yv -= ky * pv
+        self._tv -= kt * pv
+        self._vv -= kv * pv
         return True

@@ -172,7 +172,7 @@ class Mapper:
         self._corner = CornerReached(**state["corner"])
         self.meter.met(None if state["wall"] is None else WallMet(**state["wall"]))
         self.mismatch.value, self.mismatch.variance = state["mismatch"]
-        self.agent.odometry.mismatch = self.mismatch.value
+        self.mismatch.apply(self.agent.odometry)
 
     # --- events --------------------------------------------------------------------------------------
 
@@ -304,7 +304,9 @@ class Mapper:
         heading = wrap_angle(self.agent.odometry.heading - self._corner.heading)
         edge = (-distance, -distance if self.config.side == "right" else distance)
         points = (edge,) if self._corner.kind == "convex" else ()
-        return ExploreLocally(strategy, heading, walls, square, self._corner.kind, points)
+        return ExploreLocally(
+            strategy, heading, walls, square, self._corner.kind, points, self.agent.odometry.veer
+        )
 
     def _add_arc(self, source: int, target: int, distance: float) -> None:
         side = self.config.side

@@ -8,12 +8,16 @@ from typing import Any
 
 from ..world.robot import Pose, RobotGeometry, wrap_angle
 
+MISMATCH = 0.0122
+"""Standard deviation of the relative difference of the diameters of two wheels that nothing is known of."""
+
 
 class PathIntegrator:
     """Integrates encoder steps to a pose in the frame of where it started.
 
     mismatch: relative difference of the wheels' diameters, (right - left) / mean, as far as it is known;
-    0 takes the wheels as equal (profile `thesis`).
+    0 takes the wheels as equal (profile `thesis`). mismatch_deviation: standard deviation of what is not
+    known of it, at first that of +-2.1 % uniform.
     """
 
     def __init__(self, geometry: RobotGeometry, pose: Pose = Pose(), mismatch: float = 0.0) -> None:  # noqa: B008
@@ -21,6 +25,7 @@ class PathIntegrator:
         self._step = geometry.distance_per_step
         self._track = geometry.track
         self.mismatch = mismatch
+        self.mismatch_deviation = MISMATCH
         self.x, self.y, self.heading = pose.x, pose.y, pose.heading
         self.distance = 0.0
         self.turn = 0.0
@@ -52,6 +57,11 @@ class PathIntegrator:
         self.heading += self.turn
         self.travelled += self.distance
 
+    @property
+    def veer(self) -> float:
+        """Standard deviation (rad/m) of what unequal wheels turn unnoticed."""
+        return self.mismatch_deviation / self._track
+
     def reset(self, pose: Pose) -> None:
         """Moves the estimate to `pose` without touching the distance travelled."""
         self.x, self.y, self.heading = pose.x, pose.y, pose.heading
@@ -61,13 +71,14 @@ class PathIntegrator:
         return {
             "pose": [self.x, self.y, self.heading],
             "travelled": self.travelled,
-            "mismatch": self.mismatch,
+            "mismatch": [self.mismatch, self.mismatch_deviation],
             "encoders": None if self._previous is None else list(self._previous),
         }
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Goes back to a `state`."""
         self.x, self.y, self.heading = state["pose"]
-        self.travelled, self.mismatch = state["travelled"], state["mismatch"]
+        self.travelled = state["travelled"]
+        self.mismatch, self.mismatch_deviation = state["mismatch"]
         encoders = state["encoders"]
         self._previous = None if encoders is None else (encoders[0], encoders[1])

@@ -92,7 +92,7 @@ class WayMeter:
         """
         before = self.mismatch.value
         self.mismatch.straight(self._track, turned, driven)
-        self._odometry.mismatch = self.mismatch.value
+        self.mismatch.apply(self._odometry)
         if self._wall is not None:
             # Measured before the drive, and with other wheels.
             learned = (self.mismatch.value - before) * passed / self._track
@@ -109,7 +109,7 @@ class WayMeter:
                 return Way(end.x, end.y, swing)
         if self._learn and is_even(event):
             self.mismatch.straight(self._track, swing, event.path_length - self._settled - event.blind)
-            self._odometry.mismatch = self.mismatch.value
+            self.mismatch.apply(self._odometry)
         return None
 
     @property

@@ -130,7 +130,7 @@ class LocalExploration(Behavior):
         if not isinstance(goal, ExploreLocally):
             raise TypeError(f"{self.name} needs an ExploreLocally goal, not {goal!r}")
         self._queue = self._rigid.order(goal.strategy)
-        self._pose = LocalPose(goal.heading, goal.square)
+        self._pose = LocalPose(goal.heading, goal.square, goal.veer)
         self._fix = LocalFix(context.geometry, self._pose, self.config.landmarks)
         self._pose.know_corner(goal.corner, goal.walls)
         for x, y in goal.points:

@@ -105,6 +105,23 @@ def test_each_wall_is_told_before_its_corner_with_its_direction() -> None:
             )
 
 
+@pytest.mark.parametrize("mismatch", [0.015, -0.015])
+def test_walls_tell_what_odometry_turned_on_the_part_of_them_that_was_seen(mismatch: float) -> None:
+    """Before a convex corner a wall has ended already, and after one it is not there yet."""
+    world = open_world("env1", engine="kinematic", noise={"unequal_wheels": mismatch}, start="right")
+    follower = Follower(world, "right").until(9)
+    told = [event for event in follower.heard if isinstance(event, (CornerReached, WallMet))]
+    turned = {"concave": 0.0, "convex": 0.0}
+    seen = {"concave": 0.0, "convex": 0.0}
+    for met, corner in zip(told[::2], told[1::2], strict=True):
+        assert isinstance(met, WallMet)
+        assert isinstance(corner, CornerReached)
+        turned[corner.kind] += wrap_angle(corner.heading - met.heading)
+        seen[corner.kind] += corner.path_length - met.path_length - corner.blind
+    for kind, length in seen.items():
+        assert -turned[kind] * EPUCK.track / length == pytest.approx(mismatch, rel=0.15)
+
+
 SLANTED = """\
 tolman-world: 1
 description: a room with walls at 45 degrees
