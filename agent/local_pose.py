@@ -16,7 +16,7 @@ _DOUBT, _DOUBT_PLACE = math.radians(4.0), 0.009
 """Standard deviations of the heading (rad) and the place (m) beyond which a pose is doubtful."""
 _FOOT = 0.001
 """Standard deviation (m) of the distance to a wall swept over."""
-_HEADING, _BLIND_HEADING = 0.0063, 0.0165
+_HEADING, _BLIND_HEADING = 0.0063, 0.0125
 """Standard deviations (rad) of the heading at a node: beside the wall followed to it, and at a convex corner,
 where that wall was last seen 10 cm before."""
 

@@ -23,6 +23,8 @@ from ..world.robot import STOP, Percept, WheelCommand, wrap_angle
 
 _PARALLEL = 5
 """Lines of a wall after which its direction is known to a robot that began beside it."""
+_UNSEEN = 0.004
+"""Meters without a sight of the wall's direction after which it has ended."""
 _SHY_TURN = 1.0
 """Turn rate (rad/s) away from what is nearly touched."""
 
@@ -31,7 +33,9 @@ _SHY_TURN = 1.0
 class WallFollowingConfig:
     """Settings of wall following.
 
-    distance: robot's center to the wall (m). speed: while following, steps/s (233 is 3 cm/s).
+    distance: robot's center to the wall (m). speed: while following, steps/s (233 is 3 cm/s). blind_speed:
+    the same where nothing tells the wall's direction, before a convex corner: the encoders err less the
+    slower they count, and the heading at the corner is what they make of it.
     turn_speed: of each wheel in a turn in place, steps/s. angle_gain: 1/s, distance_gain: rad/(s m).
     lost_range: the side sensor sees no wall beyond it (m from the rim). advance_trim: how much of
     `distance` the robot has driven past the wall's end when it notices (m). gap_limit: how far to drive
@@ -43,6 +47,7 @@ class WallFollowingConfig:
 
     distance: float = 0.057
     speed: float = 233.0
+    blind_speed: float = 117.0
     turn_speed: float = 233.0
     angle_gain: float = 1.5
     distance_gain: float = 12.0
@@ -364,7 +369,10 @@ class WallFollowing(Behavior):
     def _drive(self, turn_rate: float) -> WheelCommand:
         """Forward at the set speed while turning at `turn_rate` (rad/s, away from the wall is positive)."""
         assert self._view is not None
-        return drive_command(self._view.geometry, self.config.speed, turn_rate * self._view.sign)
+        ending = self.state in (Following.FOLLOW, Following.ADVANCE) and self._seen > 0.0
+        blind = ending and self._path - self._seen > _UNSEEN
+        speed = self.config.blind_speed if blind else self.config.speed
+        return drive_command(self._view.geometry, speed, turn_rate * self._view.sign)
 
     def _spin(self, remaining: float) -> WheelCommand:
         """A turn in place by at most `remaining` (rad, away from the wall is positive) in this tick."""

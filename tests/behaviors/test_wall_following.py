@@ -191,7 +191,7 @@ def test_where_the_wall_ends_it_drives_its_distance_on_and_turns_around_the_end(
     trial = Trial(WallFollowing(), goal=Follow("left", FollowFrom.WALL))
     trial.run(percept(left=GAP), ticks=60)
     ended = trial.pose.x
-    trial.run(ticks=80)
+    trial.run(ticks=130)
     (corner,) = [event for event in trial.events if isinstance(event, CornerReached)]
     assert corner.kind == "convex"
     assert corner.turn == pytest.approx(0.5 * math.pi, abs=0.1)
@@ -199,6 +199,18 @@ def test_where_the_wall_ends_it_drives_its_distance_on_and_turns_around_the_end(
     trial.run(ticks=80)
     assert_states(trial.states, *list(Following)[0:2], Following.ADVANCE, Following.CONVEX, Following.GAP)
     assert trial.pose.heading == pytest.approx(0.5 * math.pi, abs=0.05)
+
+
+def test_where_nothing_tells_the_walls_direction_it_goes_slowly() -> None:
+    trial = Trial(WallFollowing(), goal=Follow("right", FollowFrom.WALL))
+    trial.run(percept(right=GAP), ticks=60)
+    before = trial.pose.x
+    trial.run(percept(right=GAP), ticks=20)
+    seen, before = trial.pose.x - before, trial.pose.x
+    trial.run(ticks=30)
+    before = trial.pose.x
+    trial.run(ticks=20)
+    assert trial.pose.x - before == pytest.approx(0.5 * seen, rel=0.05)
 
 
 @pytest.mark.parametrize(
