@@ -1,4 +1,4 @@
-"""ROS map_server maps (YAML beside PGM or PNG): occupancy cells to few boxes.
+"""ROS map_server maps (YAML beside PGM or PNG): occupancy cells to straight walls.
 
 Everything that is not the largest free area is solid: walls, cells never seen, and free specks that a robot
 could not reach. https://wiki.ros.org/map_server gives the meaning of modes and thresholds.
@@ -7,6 +7,7 @@ could not reach. https://wiki.ros.org/map_server gives the meaning of modes and 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,20 +15,27 @@ from numpy.typing import NDArray
 
 from .base import WorldFileError
 from .bitmaps import Gray, read_bitmap
-from .spec import Box, Shape, WorldSpec
+from .contours import outlines, straightened, walls_along
+from .geometry import signed_area
+from .robot import EPUCK
+from .spec import Box, Point, Polygon, Shape, WorldSpec
 from .starts import require_start, with_starts
 from .transforms import scaled
 from .yamlnodes import Entry, read_text, read_yaml
 
 KEYS = ("image", "mode", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
 MODES = ("trinary", "scale", "raw")
-RIM = 2
-"""Cells around the free area that are kept solid."""
+DENT = 5
+"""Cells; narrower dents of a wall, and smaller bumps on it, are what a laser made of it."""
+THICKNESS = 1.0
+"""Cells that walls are thick."""
+MOST_CORNERS = 60
+"""What stands free and has more corners is a ring of walls: a polygon's cover takes long to find."""
 UNKNOWN = 205
 """Gray value (of 255) that map savers write for cells never seen."""
 SPECK = 3
 """Patches of cells never seen that hold no square of this many cells are taken for free."""
-MAX_BOXES = 200_000
+MAX_SHAPES = 200_000
 Mask = NDArray[np.bool_]
 
 
@@ -60,9 +68,19 @@ def parse_ros_map(text: str, source: str, folder: Path, name: str, scale: float 
     area = largest_area(free)
     if not area.any():
         raise document.error("the map has no free cell")
-    shapes = _shapes(area, resolution, (x, y, yaw))
+    area = smoothed(area, resolution * scale)
+    shapes = _shapes(area, resolution, (x, y, yaw), tolerance(resolution * scale))
     spec = WorldSpec(name, shapes, description=f"imported from the ROS map {Path(source).name}")
-    return require_start(with_starts(scaled(spec, scale)), source)
+    cosine, sine = math.cos(yaw), math.sin(yaw)
+
+    def is_free(place: Point) -> bool:
+        """Whether a place of the scaled world lies in the area."""
+        east, north = place[0] / scale - x, place[1] / scale - y
+        column = math.floor((cosine * east + sine * north) / resolution)
+        row = len(area) - 1 - math.floor((cosine * north - sine * east) / resolution)
+        return 0 <= row < area.shape[0] and 0 <= column < area.shape[1] and bool(area[row, column])
+
+    return require_start(with_starts(scaled(spec, scale), is_free=is_free), source)
 
 
 def _negate(keys: dict[str, Entry]) -> bool:
@@ -92,21 +110,76 @@ def free_cells(image: Gray, mode: str, occupied_above: float, free_below: float,
 
 def _with_specks(free: Mask, occupied: Mask) -> Mask:
     """The free cells and those never seen that lie in patches thinner than SPECK cells: shadows of rays."""
-    solid = np.pad(~free, SPECK, constant_values=True)
-    height, width = solid.shape
-    spots = [(row, column) for row in range(SPECK) for column in range(SPECK)]
-    kernel = np.ones((height - SPECK + 1, width - SPECK + 1), dtype=bool)
+    return ~(occupied | opened(~free, SPECK, True))
+
+
+def opened(mask: Mask, size: int, outside: bool) -> Mask:
+    """The cells of a mask that lie in a disk of it, `size` cells across. outside: what is beyond its rim."""
+    padded = np.pad(mask, size, constant_values=outside)
+    height, width = padded.shape
+    middle = (size - 1) / 2
+    spots = [
+        (row, column)
+        for row in range(size)
+        for column in range(size)
+        if math.hypot(row - middle, column - middle) <= size / 2
+    ]
+    whole = np.ones((height - size + 1, width - size + 1), dtype=bool)
     for row, column in spots:
-        kernel &= solid[row : row + kernel.shape[0], column : column + kernel.shape[1]]
-    thick = np.zeros(solid.shape, dtype=bool)
+        whole &= padded[row : row + whole.shape[0], column : column + whole.shape[1]]
+    covered = np.zeros(padded.shape, dtype=bool)
     for row, column in spots:
-        thick[row : row + kernel.shape[0], column : column + kernel.shape[1]] |= kernel
-    return ~(occupied | thick[SPECK:-SPECK, SPECK:-SPECK])
+        covered[row : row + whole.shape[0], column : column + whole.shape[1]] |= whole
+    return covered[size:-size, size:-size]
+
+
+def eroded(mask: Mask, by: int) -> Mask:
+    """The cells of a mask that are farther than `by` cells from all others."""
+    padded = np.pad(mask, by, constant_values=True)
+    left = np.ones_like(mask)
+    for row in range(2 * by + 1):
+        for column in range(2 * by + 1):
+            left &= padded[row : row + mask.shape[0], column : column + mask.shape[1]]
+    return left
+
+
+def smoothed(area: Mask, cell: float) -> Mask:
+    """The area without dents too narrow for a robot, and with the small bumps of its walls. cell: m.
+
+    Thin walls stay: a bump is what stands out of something thicker by no more than DENT cells.
+    """
+    size = min(DENT, int(2.0 * EPUCK.body_radius / cell))
+    if size < 2:
+        return area
+    thick = opened(~area, size, True)
+    pieces = labeled(~area & ~thick)
+    rows, columns = np.nonzero(pieces)
+    piece = pieces[rows, columns]
+    small = np.ones(int(pieces.max()) + 1, dtype=bool)
+    for places in (rows, columns):
+        low, high = np.full(len(small), np.iinfo(np.int64).max), np.zeros(len(small), dtype=np.int64)
+        np.minimum.at(low, piece, places)
+        np.maximum.at(high, piece, places)
+        small &= high - low < size
+    around = np.pad(thick, 1, constant_values=True)
+    touched = around[:-2, 1:-1] | around[2:, 1:-1] | around[1:-1, :-2] | around[1:-1, 2:]
+    attached = np.zeros(len(small), dtype=bool)
+    attached[pieces[touched]] = True
+    bumps = (pieces > 0) & (small & attached)[pieces]
+    return largest_area(opened(area | bumps, size, False))
 
 
 def largest_area(free: Mask) -> Mask:
     """The largest set of free cells that hang together by their sides."""
-    labels = np.zeros(free.shape, dtype=np.int64)
+    labels = labeled(free)
+    sizes = np.bincount(labels[free], minlength=1)
+    area: Mask = free & (labels == int(sizes.argmax()))
+    return area
+
+
+def labeled(cells: Mask) -> NDArray[np.int64]:
+    """A number for each set of cells that hang together by their sides, 0 for the others."""
+    labels = np.zeros(cells.shape, dtype=np.int64)
     parents = [0]
 
     def root(label: int) -> int:
@@ -116,9 +189,9 @@ def largest_area(free: Mask) -> Mask:
         return label
 
     before: list[tuple[int, int, int]] = []
-    for row in range(len(free)):
+    for row in range(len(cells)):
         current = []
-        for begin, end in _runs(free[row]):
+        for begin, end in _runs(cells[row]):
             above = {root(label) for low, high, label in before if low < end and begin < high}
             if above:
                 label = min(above)
@@ -131,10 +204,7 @@ def largest_area(free: Mask) -> Mask:
             current.append((begin, end, label))
         before = current
     roots = np.array([root(label) for label in range(len(parents))])
-    merged = roots[labels]
-    sizes = np.bincount(merged[free], minlength=1)
-    area: Mask = free & (merged == int(sizes.argmax()))
-    return area
+    return np.asarray(roots[labels])
 
 
 def _runs(row: Mask) -> list[tuple[int, int]]:
@@ -155,26 +225,46 @@ def merge_cells(solid: Mask) -> list[tuple[int, int, int, int]]:
     return done
 
 
-def _shapes(area: Mask, resolution: float, origin: tuple[float, float, float]) -> tuple[Shape, ...]:
-    padded = np.pad(area, RIM)
-    rows, columns = np.flatnonzero(padded.any(axis=1)), np.flatnonzero(padded.any(axis=0))
-    top, bottom = int(rows[0]) - RIM, int(rows[-1]) + RIM + 1
-    left, right = int(columns[0]) - RIM, int(columns[-1]) + RIM + 1
-    solid = ~padded[top:bottom, left:right]
-    rectangles = min((merge_cells(solid), _flipped(merge_cells(solid.T))), key=len)
-    if len(rectangles) > MAX_BOXES:
-        raise WorldFileError(f"the map needs {len(rectangles)} boxes, more than the limit of {MAX_BOXES}")
+def tolerance(cell: float) -> float:
+    """Cells that a straight wall may be off the cells it was drawn with: 2, less where they are large (m)."""
+    return max(1.0, min(2.0, 0.02 / cell))
+
+
+def _shapes(
+    area: Mask, resolution: float, origin: tuple[float, float, float], off: float
+) -> tuple[Shape, ...]:
+    """Walls around the area and what stands free in it, as straight as its cells allow.
+
+    Boxes fill what is behind them.
+    """
     x, y, yaw = origin
     cosine, sine = math.cos(yaw), math.sin(yaw)
-    height = len(padded)
-    shapes = []
-    for row, column, deep, wide in rectangles:
-        along = (left + column + wide / 2 - RIM) * resolution
-        up = (height - (top + row + deep / 2) - RIM) * resolution
-        place = x + cosine * along - sine * up, y + sine * along + cosine * up
-        shapes.append(Box(*place, wide * resolution, deep * resolution, yaw))
+
+    def placed(points: Sequence[Point]) -> tuple[Point, ...]:
+        """Corners of cells, rows counted upward, in the world's frame."""
+        return tuple(
+            (
+                x + resolution * (cosine * along - sine * up),
+                y + resolution * (sine * along + cosine * up),
+            )
+            for along, up in points
+        )
+
+    shapes: list[Shape] = []
+    core = int(off) + 2
+    rows, columns = np.flatnonzero(area.any(axis=1)), np.flatnonzero(area.any(axis=0))
+    around = np.zeros_like(area)
+    around[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1] = True
+    for row, column, deep, wide in merge_cells(eroded(~area, core) & around):
+        (middle,) = placed([(column + wide / 2, len(area) - row - deep / 2)])
+        shapes.append(Box(*middle, wide * resolution, deep * resolution, yaw))
+    for loop in outlines(area[::-1]):
+        points = straightened(loop, off)
+        stands_free = signed_area(points) < 0.0
+        if stands_free and len(points) <= MOST_CORNERS:
+            shapes.append(Polygon(placed(points)))
+        else:
+            shapes += [Polygon(placed(quad)) for quad in walls_along(points, THICKNESS)]
+    if len(shapes) > MAX_SHAPES:
+        raise WorldFileError(f"the map needs {len(shapes)} walls, more than the limit of {MAX_SHAPES}")
     return tuple(shapes)
-
-
-def _flipped(rectangles: list[tuple[int, int, int, int]]) -> list[tuple[int, int, int, int]]:
-    return [(column, row, wide, deep) for row, column, deep, wide in rectangles]

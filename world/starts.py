@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -20,20 +21,25 @@ _RAYS = 36
 _TRIES = 400
 
 
-def with_starts(spec: WorldSpec, near: Point | None = None) -> WorldSpec:
+def with_starts(
+    spec: WorldSpec, near: Point | None = None, is_free: Callable[[Point], bool] | None = None
+) -> WorldSpec:
     """The world with starts `right` and `left` (wall on that side) added behind those it has.
 
-    near: a point (m) to be as close to as possible; else the longest wall is taken. A world too small for a
-    robot, or open on all sides, keeps the starts it has.
+    near: a point (m) to be as close to as possible; else the longest wall is taken. is_free: whether a place
+    (m) lies where robots may be, if walls alone do not tell. A world too small for a robot, or open on all
+    sides, keeps the starts it has.
     """
-    place = find_start(Plan(spec.shapes), near)
+    place = find_start(Plan(spec.shapes), near, is_free)
     if place is None:
         return spec
     back = replace(place, heading=wrap_angle(place.heading + math.pi))
     return replace(spec, starts=(*spec.starts, Start("right", place), Start("left", back)))
 
 
-def find_start(plan: Plan, near: Point | None = None) -> Pose | None:
+def find_start(
+    plan: Plan, near: Point | None = None, is_free: Callable[[Point], bool] | None = None
+) -> Pose | None:
     """A pose with a wall to the right at BESIDE meters, room ahead, and walls all around; or None."""
     segments = plan.segments
     along = segments[:, 2:] - segments[:, :2]
@@ -48,7 +54,7 @@ def find_start(plan: Plan, near: Point | None = None) -> Pose | None:
         for share in (0.5, 0.25, 0.75):
             x, y = segments[index, :2] + share * along[index] + BESIDE * outward
             pose = Pose(float(x), float(y), math.atan2(-direction[1], -direction[0]))
-            if _good(plan, pose):
+            if (is_free is None or is_free((pose.x, pose.y))) and _good(plan, pose):
                 return pose
     return None
 

@@ -10,7 +10,7 @@ from tolman.world import WorldFileError, WorldWarning, find_world, open_world
 from tolman.world.bitmaps import parse_bitmap
 from tolman.world.geometry import Plan
 from tolman.world.maze import parse_maze
-from tolman.world.rosmap import free_cells, largest_area, merge_cells
+from tolman.world.rosmap import free_cells, largest_area
 from tolman.world.webots import parse_webots
 
 MAZE = """\
@@ -59,10 +59,10 @@ def drawn_room() -> NDArray[np.int64]:
     return image
 
 
-def test_a_ros_map_becomes_a_few_boxes_where_it_says(tmp_path: Path) -> None:
+def test_a_ros_map_becomes_a_few_walls_where_it_says(tmp_path: Path) -> None:
     spec = find_world(write_map(tmp_path, drawn_room(), free_thresh=0.25))
     plan = Plan(spec.shapes)
-    assert len(spec.shapes) <= 8
+    assert len(spec.shapes) <= 9
     low_x, low_y = -1 + 21 * 0.02, -2 + (80 - 61) * 0.02
     assert plan.clearance(low_x + 0.1, low_y + 0.2) == pytest.approx(0.1, abs=1e-9)
     assert plan.contains(-1 + 50 * 0.02, -2 + (80 - 30) * 0.02)
@@ -74,13 +74,13 @@ def test_a_ros_map_becomes_a_few_boxes_where_it_says(tmp_path: Path) -> None:
 def test_a_map_for_a_larger_robot_is_scaled(tmp_path: Path) -> None:
     path = write_map(tmp_path, drawn_room(), resolution=0.2)
     x0, _, x1, _ = Plan(find_world(path, 0.1).shapes).bounds
-    assert x1 - x0 == pytest.approx(1.2 + 4 * 0.02)
+    assert x1 - x0 == pytest.approx(1.2 + 2 * 0.02)
 
 
 def test_a_turned_origin_turns_the_map(tmp_path: Path) -> None:
     turned = find_world(write_map(tmp_path, drawn_room(), origin=f"[0, 0, {math.pi / 2}]"))
     x0, y0, x1, y1 = Plan(turned.shapes).bounds
-    assert (x1 - x0, y1 - y0) == pytest.approx((0.88, 1.28))
+    assert (x1 - x0, y1 - y0) == pytest.approx((0.84, 1.24))
     assert x1 < 0 < y0
 
 
@@ -100,23 +100,23 @@ def test_only_the_largest_area_is_kept_and_diagonals_do_not_join() -> None:
     assert not area[0].any()
 
 
-def test_merged_cells_cover_every_cell_once() -> None:
-    random = np.random.default_rng(4)
-    for _ in range(20):
-        solid = random.random((13, 17)) < 0.5
-        count = np.zeros(solid.shape, dtype=int)
-        for row, column, deep, wide in merge_cells(solid):
-            count[row : row + deep, column : column + wide] += 1
-        assert (count == solid).all()
-
-
-def test_a_large_noisy_map_is_merged_to_far_fewer_boxes_than_cells(tmp_path: Path) -> None:
+def test_a_large_noisy_map_becomes_far_fewer_walls_than_cells(tmp_path: Path) -> None:
     random = np.random.default_rng(0)
     image = np.full((500, 600), 205)
     image[50:450, 50:550] = 254
     image[50:450:40, 50:550] = np.where(random.random((10, 500)) < 0.4, 0, 254)
     spec = find_world(write_map(tmp_path, image, resolution=0.05))
     assert len(spec.shapes) < 4000
+
+
+def test_a_start_lies_in_the_room_also_where_its_walls_stand_around_a_place_outside(tmp_path: Path) -> None:
+    """A corridor of 20 cm round a closed court of 1 m, whose walls are longer than the corridor is wide."""
+    image = np.full((80, 80), 205)
+    image[5:75, 5:75] = 254
+    image[15:65, 15:65] = 0
+    spec = find_world(write_map(tmp_path, image, free_thresh=0.25))
+    for start in spec.starts:
+        assert not (-1 + 0.3 < start.pose.x < -1 + 1.3 and -2 + 0.3 < start.pose.y < -2 + 1.3)
 
 
 @pytest.mark.parametrize(
