@@ -16,36 +16,31 @@ from dataclasses import asdict, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
-from ..maps.errors import NoPathError
 from ..world.robot import Percept, Pose, wrap_angle
 from .boundary import BEND
 from .events import CornerReached, Localized, LoopClosed, Lost, NodePassed, NodeReached
 from .foray_drive import ForayDrive
-from .forays import ScoutConfig, Scouting, best_link, node_at, nodes_near, pose_at
+from .forays import ScoutConfig, Scouting, node_at, nodes_near, pose_at
 from .goals import Crossing, Follow, FollowFrom
+from .island_links import ArcKey, arcs_into, is_same, leads, link_islands, take_back, unproven_link
 from .localization import Localizer
 from .mapping import Phase
-from .navigation import CROSSING, ONWARD, Navigator
+from .navigation import ONWARD, Navigator
 from .outlines import PLACE, Chord, Outline, outline_from
 
 if TYPE_CHECKING:
-    from ..maps.hybrid_map import Arc, HybridMap
+    from ..maps.hybrid_map import HybridMap
     from .agent import Agent
     from .behavior import Context
     from .mapping import Mapper
 
-ArcKey = tuple[int, int, str]
 _TRACK_STEP = 0.04
-_SAME_PLACE = 0.12
-"""Meters between the middles of two outlines of one obstacle, at most."""
 _ROUND = 2.4 * math.pi
 """Turned so far (rad) along an obstacle without a corner: it is round."""
 _ASTRAY = 0.25
 """Meters that path integration may be off on a foray, at most."""
 _FARTHEST = 5.0
 """Meters across open space until a foray is given up."""
-_LINKS = 3
-"""Ways tried to link an island, in each direction."""
 _LEAVES = 5
 """How often it sets out from an island without knowing where that leads."""
 _BEHAVIORS = ("wall-following", "local-exploration", "position-correction", "go-to-node", "foray")
@@ -219,7 +214,7 @@ class IslandMapper:
         """Stands at a known node: all can be saved; then on to the next foray."""
         self._node, self._doing = node, Doing.GOING
         self._anchor(node)
-        self._link_islands()
+        link_islands(self.map, self._known(), self.side)
         self._save()
         self._choose()
 
@@ -239,7 +234,7 @@ class IslandMapper:
             self._leaves += 1
             self._leave()
             return
-        link = self._unproven()
+        link = unproven_link(self.map, self._node)
         if link is not None:
             self._doing = Doing.PROVING
             self._navigator_at(self._node).drive([*self.map.path(self._node, link.start), link])
@@ -249,22 +244,7 @@ class IslandMapper:
     def _is_marooned(self) -> bool:
         """Whether it is on an island and no foray that is known leads away from it."""
         outer = self._known()[0].nodes
-        return self._node not in outer and not self._leads(self._node, outer[0])
-
-    def _leads(self, start: int, end: int) -> bool:
-        try:
-            self.map.path(start, end)
-        except NoPathError:
-            return False
-        return True
-
-    def _unproven(self) -> Arc | None:
-        """A link that was never driven, and can be reached."""
-        for arc in self.map.arcs():
-            fresh = arc.kind == "foray" and arc.traversals == 0 and not arc.blocked
-            if fresh and self._leads(self._node, arc.start):
-                return arc
-        return None
+        return self._node not in outer and not leads(self.map, self._node, outer[0])
 
     def _leave(self) -> None:
         """Straight away from the wall at its side, wherever that leads."""
@@ -407,45 +387,13 @@ class IslandMapper:
         elif island.turning == known[0].turning:
             self._drop_island()
             self._localize()
-        elif any(_same(outline, island) for outline in known[1:]):
+        elif any(is_same(outline, island) for outline in known[1:]):
             self._drop_island()
             self._find_wall()
         else:
             self.islands += 1
             self._first = None
             self._rest(here)
-
-    def _link_islands(self) -> None:
-        """Sees to it that a foray leads to each island and one away, other than those that failed."""
-        known = self._known()
-        for index, island in enumerate(known[1:], 1):
-            if not island.nodes:
-                continue
-            others = [other for other in range(len(known)) if other != index]
-            for sources, targets, nodes in ((others, [index], 1), ([index], others, 0)):
-                arcs = [
-                    arc
-                    for arc in self.map.arcs()
-                    if arc.kind == "foray" and (arc.start, arc.end)[nodes] in island.nodes
-                ]
-                if len(arcs) < _LINKS and all(arc.blocked for arc in arcs):
-                    link = best_link(known, sources, targets, self.side, {(a.start, a.end) for a in arcs})
-                    if link is not None:
-                        self._add_link(link.start, link.end, link.crossing)
-
-    def _add_link(self, start: int, end: int, crossing: Crossing) -> None:
-        distance = crossing.offset + crossing.distance + crossing.join
-        self.map.add_arc(
-            start,
-            end,
-            self.side,
-            distance,
-            (0.02 + 0.03 * crossing.distance) ** 2,
-            both_ways=False,
-            kind="foray",
-            traversals=0,
-            notes={CROSSING: asdict(crossing)},
-        )
 
     def _drop_island(self) -> None:
         """Takes back the nodes of what is no island, or cannot be mapped."""
@@ -455,12 +403,9 @@ class IslandMapper:
         self._first = None
 
     def _drop(self, taken: Iterable[int]) -> None:
-        nodes, arcs = self._gone
-        for node in list(taken):
-            nodes.append(node)
-            graph = self.map.graph
-            arcs += [*graph.in_edges(node, keys=True), *graph.out_edges(node, keys=True)]
-            self.map.remove_node(node)
+        nodes, arcs = take_back(self.map, taken)
+        self._gone[0].extend(nodes)
+        self._gone[1].extend(arcs)
 
     def _recognize(self, event: CornerReached) -> bool:
         """Whether the corners met last, one after the other, are known ones; then it goes on from there."""
@@ -469,7 +414,7 @@ class IslandMapper:
         now = set(nodes_near(self._known(), corner, event.kind, _ASTRAY))
         before, self._maybe = self._maybe, now
         for node in sorted(now):
-            for arc in self._arcs_into(node):
+            for arc in arcs_into(self.map, node, self.side):
                 slack = 0.02 + 0.02 * arc.distance
                 if arc.start in before and abs(arc.distance - event.path_length) < slack:
                     self._drop_island()
@@ -478,16 +423,12 @@ class IslandMapper:
                     return True
         return False
 
-    def _arcs_into(self, node: int) -> list[Arc]:
-        edges = self.map.graph.in_edges(node, keys=True)
-        return [self.map.arc(*key) for key in sorted(edges) if key[2] == self.side]
-
     def _give_up_island(self) -> None:
         """It cannot be mapped: remembered as something in the way; away from it, straight."""
         assert self._scouting is not None
         self._drop_island()
         blind = Outline(tuple(self._track))
-        if not any(_same(outline, blind) for outline in self._known()[1:]):
+        if not any(is_same(outline, blind) for outline in self._known()[1:]):
             self._scouting.blind.append(blind)
         self._stop()
         self._leave()
@@ -531,8 +472,3 @@ class IslandMapper:
     def _stop(self) -> None:
         for name in _BEHAVIORS:
             self.agent.stop(name)
-
-
-def _same(one: Outline, other: Outline) -> bool:
-    """Whether two outlines are of one obstacle, as obstacles cannot overlap."""
-    return math.dist(one.middle, other.middle) < _SAME_PLACE

@@ -25,6 +25,8 @@ _PARALLEL = 5
 """Lines of a wall after which its direction is known to a robot that began beside it."""
 _UNSEEN = 0.004
 """Meters without a sight of the wall's direction after which it has ended."""
+_AROUND = math.radians(100.0)
+"""How far a convex corner is turned around at once: after more, the way would lead over its edge."""
 _SHY_TURN = 1.0
 """Turn rate (rad/s) away from what is nearly touched."""
 
@@ -106,6 +108,7 @@ class WallFollowing(Behavior):
         self._leg = 0.0
         self._misses = 0
         self._remaining = 0.0
+        self._sharper = 0.0
         self._turned = 0.0
         self._searching = self._swung = False
         self._settled = self._beside = False
@@ -129,6 +132,8 @@ class WallFollowing(Behavior):
             self.fire("begin_concave")
         elif goal.start is FollowFrom.CONVEX:
             self._remaining = -turn
+            if turn > _AROUND:
+                self._remaining, self._sharper = -0.5 * math.pi, turn - 0.5 * math.pi
             self.fire("begin_convex")
 
     def propose(self, percept: Percept, context: Context) -> Proposal:
@@ -231,6 +236,8 @@ class WallFollowing(Behavior):
             self.fire("around")
             self._arrive("convex", context)
             return STOP
+        if min(view.side, view.diagonal) < self.config.shy:  # an edge that was met askew
+            return self._drive(_SHY_TURN)
         return self._drive(-self.config.angle_gain * self._wall.angle)
 
     def _gap(self, view: SideView, context: Context) -> WheelCommand:
@@ -238,7 +245,13 @@ class WallFollowing(Behavior):
         self._leg += context.distance
         if self._at_front(view, context):
             return STOP
-        if view.side < self.config.lost_range:
+        if self._sharper > 0.0:
+            # From there the rest of the turn leads along the next wall, at the set distance.
+            past = (1.0 - math.cos(self._sharper) + math.sin(self._sharper)) / math.sin(self._sharper)
+            if self._leg > past * self.config.distance:
+                self._remaining, self._sharper = -self._sharper, 0.0
+                self.fire("turn_more")
+        elif view.side < self.config.lost_range:
             self._misses += 1
             if self._misses >= 2:
                 wall = view.side_wall()
@@ -367,12 +380,14 @@ class WallFollowing(Behavior):
         return wrap_angle(context.pose.heading - sign * self._wall.angle)
 
     def _drive(self, turn_rate: float) -> WheelCommand:
-        """Forward at the set speed while turning at `turn_rate` (rad/s, away from the wall is positive)."""
+        """Forward while turning at `turn_rate` (rad/s at the set speed, away from the wall is positive)."""
         assert self._view is not None
         ending = self.state in (Following.FOLLOW, Following.ADVANCE) and self._seen > 0.0
         blind = ending and self._path - self._seen > _UNSEEN
         speed = self.config.blind_speed if blind else self.config.speed
-        return drive_command(self._view.geometry, speed, turn_rate * self._view.sign)
+        # Slower along the same way: as much turn in a meter.
+        turn_rate *= self._view.sign * speed / self.config.speed
+        return drive_command(self._view.geometry, speed, turn_rate)
 
     def _spin(self, remaining: float) -> WheelCommand:
         """A turn in place by at most `remaining` (rad, away from the wall is positive) in this tick."""

@@ -14,7 +14,8 @@ import numpy as np
 from ..agent import Agent, PathIntegrator
 from ..agent.events import CornerReached, LocalMapBuilt, LoopClosed, NodeCreated, Stuck
 from ..agent.goals import LocalSamples
-from ..agent.islands import ArcKey, IslandMapper
+from ..agent.island_links import ArcKey
+from ..agent.islands import IslandMapper
 from ..maps.hybrid_map import HybridMap
 from ..maps.local_map import LocalMap
 from ..maps.map_file import RUN, MapFile

@@ -14,7 +14,8 @@ from ..agent import Agent
 from ..agent.boundary import ClosingConfig
 from ..agent.goals import LocalSamples
 from ..agent.guide import AnyNavigator
-from ..agent.islands import ArcKey, IslandMapper
+from ..agent.island_links import ArcKey
+from ..agent.islands import IslandMapper
 from ..agent.mapping import Mapper, MappingConfig
 from ..agent.navigation import Navigator
 from ..agent.thesis_mapping import ThesisMapper, ThesisMappingConfig

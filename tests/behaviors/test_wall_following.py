@@ -261,3 +261,32 @@ def test_left_is_the_mirror_image_of_right_whatever_is_sensed(run: list[Percept]
 def test_only_a_follow_goal_is_taken() -> None:
     with pytest.raises(TypeError, match="needs a Follow goal, not None"):
         Trial(WallFollowing())
+
+
+WEDGE = """\
+tolman-world: 1
+room: {size: [1.5, 1.5]}
+polygons:
+  - points: [[0.4, 0.7], [1.0, 0.7], [1.0, 1.05]]
+starts:
+  right: [0.343, 0.643, 180]
+"""
+
+
+def test_a_sharp_edge_is_passed_before_it_is_turned_around(tmp_path: Path) -> None:
+    """The node 5.7 cm past the edge of 30 degrees and off its wall: the next one leads back over it."""
+    path = tmp_path / "wedge.yaml"
+    path.write_text(WEDGE)
+    world = open_world(path, engine="kinematic", noise="none", start="right")
+    agent = Agent(world.robots[0], [WallFollowing()])
+    corners: list[CornerReached] = []
+    agent.bus.subscribe(CornerReached, corners.append)
+    turn = math.pi - math.atan2(0.35, 0.6)
+    agent.start("wall-following", Follow("right", FollowFrom.CONVEX, -turn))
+    while not corners and world.time < 60.0:
+        agent.tick()
+        world.step()
+    assert world.collisions() == 0
+    assert corners[0].kind == "convex"
+    end, pose = (1.0, 1.05), world.true_pose()
+    assert math.dist(end, (pose.x, pose.y)) == pytest.approx(math.hypot(0.057, 0.057), abs=0.01)
