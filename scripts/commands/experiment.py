@@ -26,8 +26,8 @@ the published ones. NAME is table-N for N = 4.2, 4.3, 4.5, 4.6, 4.10, 4.12, 4.14
 free).
 
 Finished runs are kept in the work folder, with their maps; the same command goes on where it was interrupted,
-and --finished-only reports what there is. Results do not depend on --jobs. Seeds below 1000 are meant for
-tuning, so the first one is 1000."""
+and --finished-only reports what there is. Results do not depend on --jobs. Seeds below 2000 are meant for
+tuning, so the first one is 2000."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -61,9 +61,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--first-seed",
         type=integer(0),
-        default=1000,
+        default=2000,
         metavar="N",
-        help="seed of the first run (default 1000)",
+        help="seed of the first run (default 2000)",
     )
     parser.add_argument("--jobs", type=integer(1), default=1, metavar="N", help="processes (default 1)")
     parser.add_argument(

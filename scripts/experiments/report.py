@@ -14,8 +14,8 @@ from .tables import TABLES
 from .training import TrainingRow, training_reached, training_rows
 
 TUNED = {
-    False: "those below 1000 were used for tuning, none of these.",
-    True: "**these were used for tuning** (those below 1000).",
+    False: f"those below {FIRST_SEED} were used for tuning, none of these.",
+    True: f"**these were used for tuning** (those below {FIRST_SEED}).",
 }
 _YES = {True: "yes", False: "**no**", None: ""}
 

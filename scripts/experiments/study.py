@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from .campaign import Job, Result
+from .plan import FIRST_SEED
 from .running import ALONE, Running, paced
 
 Results = Mapping[str, Result]
@@ -22,7 +23,7 @@ class Asked:
     """What of a study was asked for. runs: None for the study's own number; imported: names of worlds."""
 
     runs: int | None = None
-    first_seed: int = 1000
+    first_seed: int = FIRST_SEED
     environments: tuple[str, ...] = ("env1", "env2", "env3")
     imported: tuple[str, ...] = ()
 

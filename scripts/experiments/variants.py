@@ -29,7 +29,7 @@ def worlds(asked: Asked) -> list[str]:
 
 
 def maps(world: str, asked: Asked, profile: str = "default", runs: int = RUNS) -> list[Job]:
-    """The mappings of one world. Imported ones may have corners without end: they get no local maps."""
+    """The mappings of one world. Imported ones get no local maps, to save time."""
     local = world not in asked.imported
     return [
         mapping_job(world, side, seed, profile, local_maps=local)

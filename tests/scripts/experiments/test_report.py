@@ -115,15 +115,15 @@ def test_runs_lost_in_traversals_count_against_the_target() -> None:
 
 
 def test_the_report_names_the_targets_that_were_missed_and_the_seeds() -> None:
-    plan = Plan(("table-4.2",), 2, 2, 1000, (WORLD,), ("default",))
+    plan = Plan(("table-4.2",), 2, 2, 2000, (WORLD,), ("default",))
     text = report_text(plan, outcome(GLOBAL, "default", [mapping(0.0), mapping(0.3)]), {"map": "1"})
     assert "- 4.2 position error, env1: mean 15.00, worst 30.00; target mean ≤ 1, worst ≤ 4" in text
-    assert "Seeds 1000 to 1001" in text
+    assert "Seeds 2000 to 2001" in text
     assert "Version of the code by kind of run: map 1." in text
 
 
 def test_the_report_counts_targets_and_lists_lost_runs_with_their_reasons() -> None:
-    plan = Plan(("table-4.2",), 2, 2, 1000, (WORLD,), ("default",))
+    plan = Plan(("table-4.2",), 2, 2, 2000, (WORLD,), ("default",))
     lost = mapping(9.0, finished=False, reason="3 rounds without recognizing a corner")
     text = report_text(
         plan, outcome(GLOBAL, "default", [mapping(0.0), lost]), {"map": "1"}, notes="It was dark."
@@ -134,7 +134,7 @@ def test_the_report_counts_targets_and_lists_lost_runs_with_their_reasons() -> N
 
 
 def test_the_report_of_an_unfinished_campaign_says_how_much_of_it_there_is() -> None:
-    plan = Plan(("table-4.2",), 20, 50, 1000, (WORLD,), ("default",))
+    plan = Plan(("table-4.2",), 20, 50, 2000, (WORLD,), ("default",))
     text = report_text(plan, outcome(GLOBAL, "default", [mapping(0.0)] * 3), {"map": "1"})
     assert re.search(r"mapping, no local maps *\| *default *\| *3 of 50 *\| *100 *\|", text)
 
@@ -146,7 +146,7 @@ def test_profile_thesis_can_have_fewer_runs() -> None:
 
 
 def test_the_report_can_be_written_as_json_even_where_nothing_was_run() -> None:
-    plan = Plan(("table-4.2", "table-4.10", "table-4.16"), 2, 2, 1000, (WORLD,))
+    plan = Plan(("table-4.2", "table-4.10", "table-4.16"), 2, 2, 2000, (WORLD,))
     values = plain(report_values(plan, Outcome(), {"map": "1"}))
     assert json.loads(json.dumps(values, allow_nan=False))["tables"]["4.10"] == []
     assert "none" in report_text(plan, Outcome(), {"map": "1"})
