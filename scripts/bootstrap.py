@@ -222,7 +222,8 @@ def set_up(extra: str) -> None:
     mark = fingerprint(python)
     done = installed_extras(mark)
     wanted = {"runtime"} | ({extra} if extra else set())
-    if wanted <= done or (done and "dev" in done):
+    covered = {"test"} if done & {"dev", "bench"} else set()
+    if wanted <= done | covered:
         return
     print("tolman: setting up .venv with Python {}.{}.{} (once)".format(*python["version"]), file=sys.stderr)
     if READY.exists():
@@ -250,6 +251,12 @@ def main(arguments: list[str]) -> int:
     if not arguments or arguments[0] not in TARGETS:
         print("usage: python3 scripts/bootstrap.py {} [ARGUMENTS]".format("|".join(TARGETS)), file=sys.stderr)
         return 0 if arguments[:1] in (["-h"], ["--help"]) else 2
+    programs = TARGETS[arguments[0]][1]
+    if len(arguments) > 1 and len(programs) != 1:
+        names = ", ".join(" ".join(program[:2]) for program in programs) or "none"
+        what = f"{arguments[0]} takes no arguments; its programs do, with .venv/bin/python"
+        print(f"tolman: {what}: {names}", file=sys.stderr)
+        return 2
     try:
         set_up(TARGETS[arguments[0]][0])
         return run(arguments[0], arguments[1:])

@@ -108,3 +108,42 @@ def test_an_unknown_target_lists_the_known_ones() -> None:
     assert done.returncode == 2
     assert "demo|test" in done.stderr
     assert done.stderr.count("\n") == 1
+
+
+def test_arguments_for_several_programs_are_refused_with_their_names(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bootstrap, "set_up", lambda extra: pytest.fail("nothing must be installed"))
+    assert bootstrap.main(["bench", "--smoke"]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "-m benchmarks.bench" in said
+
+
+@pytest.mark.parametrize(
+    ("done", "extra", "installs"),
+    [
+        ({"runtime", "dev"}, "test", False),
+        ({"runtime", "dev"}, "bench", True),
+        ({"runtime", "bench"}, "test", False),
+        ({"runtime"}, "test", True),
+        ({"runtime"}, "", False),
+    ],
+)
+def test_what_is_installed_already_is_not_installed_again(
+    done: set[str], extra: str, installs: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    installed: list[set[str]] = []
+    for name, stand_in in (
+        ("check_libraries", lambda: None),
+        ("find_python", lambda: GOOD),
+        ("fingerprint", lambda python: "mark"),
+        ("installed_extras", lambda mark: done),
+        ("make_environment", lambda python: None),
+        ("install", lambda python, extras: installed.append(extras)),
+        ("READY", tmp_path / "ready.json"),
+    ):
+        monkeypatch.setattr(bootstrap, name, stand_in)
+    bootstrap.set_up(extra)
+    assert bool(installed) == installs
+    assert all(extra in extras for extras in installed)
