@@ -37,13 +37,12 @@ def outlines(area: Mask) -> list[Corners]:
     rows, columns = area.shape
     padded = np.pad(area, 1)
     leaving: dict[tuple[int, int], list[tuple[int, int]]] = {}
-    for down, right, start, step in (
-        ((-1, 0), None, (0, 0), (1, 0)),  # nothing below: rightwards along the lower edge
-        (None, (0, 1), (1, 0), (0, 1)),
-        ((1, 0), None, (1, 1), (-1, 0)),
-        (None, (0, -1), (0, 1), (0, -1)),
+    for dr, dc, start, step in (
+        (-1, 0, (0, 0), (1, 0)),  # nothing below: rightwards along the lower edge
+        (0, 1, (1, 0), (0, 1)),
+        (1, 0, (1, 1), (-1, 0)),
+        (0, -1, (0, 1), (0, -1)),
     ):
-        dr, dc = down or right or (0, 0)
         beside = padded[1 + dr : 1 + dr + rows, 1 + dc : 1 + dc + columns]
         for row, column in np.argwhere(area & ~beside).tolist():
             begin = column + start[0], row + start[1]

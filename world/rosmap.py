@@ -27,14 +27,15 @@ KEYS = ("image", "mode", "resolution", "origin", "negate", "occupied_thresh", "f
 MODES = ("trinary", "scale", "raw")
 DENT = 5
 """Cells; narrower dents of a wall, and smaller bumps on it, are what a laser made of it."""
-THICKNESS = 1.0
-"""Cells that walls are thick."""
+THICKNESS = 0.005
+"""Meters that walls are thick at least, where a cell is less: a step of the physics takes no robot through."""
 MOST_CORNERS = 60
 """What stands free and has more corners is a ring of walls: a polygon's cover takes long to find."""
 UNKNOWN = 205
 """Gray value (of 255) that map savers write for cells never seen."""
 SPECK = 3
 """Patches of cells never seen that hold no square of this many cells are taken for free."""
+MAX_STEPS = 500_000
 MAX_SHAPES = 200_000
 Mask = NDArray[np.bool_]
 
@@ -69,7 +70,11 @@ def parse_ros_map(text: str, source: str, folder: Path, name: str, scale: float 
     if not area.any():
         raise document.error("the map has no free cell")
     area = smoothed(area, resolution * scale)
-    shapes = _shapes(area, resolution, (x, y, yaw), tolerance(resolution * scale))
+    if not area.any():
+        raise document.error("no free place is wide enough for a robot; is the scale right?")
+    if (steps := _steps(area)) > MAX_STEPS:
+        raise document.error(f"its walls have {steps} steps from cell to cell; the limit is {MAX_STEPS}")
+    shapes = _shapes(area, resolution, (x, y, yaw), scale)
     spec = WorldSpec(name, shapes, description=f"imported from the ROS map {Path(source).name}")
     cosine, sine = math.cos(yaw), math.sin(yaw)
 
@@ -225,13 +230,19 @@ def merge_cells(solid: Mask) -> list[tuple[int, int, int, int]]:
     return done
 
 
+def _steps(area: Mask) -> int:
+    """How many sides of cells the outlines of the area have."""
+    padded = np.pad(area, 1)
+    return int((padded[1:] != padded[:-1]).sum() + (padded[:, 1:] != padded[:, :-1]).sum())
+
+
 def tolerance(cell: float) -> float:
     """Cells that a straight wall may be off the cells it was drawn with: 2, less where they are large (m)."""
     return max(1.0, min(2.0, 0.02 / cell))
 
 
 def _shapes(
-    area: Mask, resolution: float, origin: tuple[float, float, float], off: float
+    area: Mask, resolution: float, origin: tuple[float, float, float], scale: float
 ) -> tuple[Shape, ...]:
     """Walls around the area and what stands free in it, as straight as its cells allow.
 
@@ -251,6 +262,7 @@ def _shapes(
         )
 
     shapes: list[Shape] = []
+    off, thickness = tolerance(resolution * scale), max(1.0, THICKNESS / (resolution * scale))
     core = int(off) + 2
     rows, columns = np.flatnonzero(area.any(axis=1)), np.flatnonzero(area.any(axis=0))
     around = np.zeros_like(area)
@@ -264,7 +276,7 @@ def _shapes(
         if stands_free and len(points) <= MOST_CORNERS:
             shapes.append(Polygon(placed(points)))
         else:
-            shapes += [Polygon(placed(quad)) for quad in walls_along(points, THICKNESS)]
+            shapes += [Polygon(placed(quad)) for quad in walls_along(points, thickness)]
     if len(shapes) > MAX_SHAPES:
         raise WorldFileError(f"the map needs {len(shapes)} walls, more than the limit of {MAX_SHAPES}")
     return tuple(shapes)

@@ -109,6 +109,19 @@ def test_a_large_noisy_map_becomes_far_fewer_walls_than_cells(tmp_path: Path) ->
     assert len(spec.shapes) < 4000
 
 
+def test_a_passage_narrower_than_a_robot_alone_is_no_room(tmp_path: Path) -> None:
+    image = np.full((60, 60), 0)
+    image[30:33, 5:55] = 254
+    with pytest.raises(WorldFileError, match="wide enough"):
+        find_world(write_map(tmp_path, image, resolution=0.01))
+
+
+def test_a_map_of_noise_is_refused_before_it_takes_long(tmp_path: Path) -> None:
+    image = np.where(np.random.default_rng(0).random((900, 900)) < 0.3, 0, 254)
+    with pytest.raises(WorldFileError, match="the limit is"):
+        find_world(write_map(tmp_path, image, resolution=0.05))
+
+
 def test_a_start_lies_in_the_room_also_where_its_walls_stand_around_a_place_outside(tmp_path: Path) -> None:
     """A corridor of 20 cm round a closed court of 1 m, whose walls are longer than the corridor is wide."""
     image = np.full((80, 80), 205)
@@ -129,6 +142,7 @@ def test_a_start_lies_in_the_room_also_where_its_walls_stand_around_a_place_outs
         ({"free_tresh": 0.2}, "did you mean 'free_thresh'"),
         ({"free_thresh": 0.9}, "above occupied_thresh"),
         ({"resolution": 0.001}, "is the scale right"),
+        ({"resolution": 0.0002}, "is the scale right"),
     ],
 )
 def test_a_wrong_map_is_explained(tmp_path: Path, keys: dict[str, object], problem: str) -> None:
