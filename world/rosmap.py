@@ -28,7 +28,7 @@ MODES = ("trinary", "scale", "raw")
 DENT = 5
 """Cells; narrower dents of a wall, and smaller bumps on it, are what a laser made of it."""
 THICKNESS = 0.005
-"""Meters that walls are thick at least, where a cell is less: a step of the physics takes no robot through."""
+"""Meters that walls are thick at least, where a cell is less: no step of the physics gets through."""
 MOST_CORNERS = 60
 """What stands free and has more corners is a ring of walls: a polygon's cover takes long to find."""
 UNKNOWN = 205
