@@ -128,6 +128,8 @@ def run(options: argparse.Namespace) -> int:
     from ..experiments.page import Page
 
     page = Page.of(options)
+    if page.studies and options.profile == "thesis":
+        raise UsageError("studies are of profile default; leave out --profile thesis, or name tables alone")
     line = ProgressLine()
     with stdout_to_stderr():
         page.run(_running(options, line))

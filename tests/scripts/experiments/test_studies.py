@@ -1,9 +1,11 @@
 """Studies beyond the tables: which runs they are made of, and what is said of runs of known figures."""
 
 import json
+from pathlib import Path
 from typing import Any
 
 import pytest
+from tolman.scripts.cli import execute
 from tolman.scripts.cli_output import plain
 from tolman.scripts.experiments.ablation import ABLATION, OF_LOCAL_MAPS, OF_THE_BOUNDARY
 from tolman.scripts.experiments.campaign import Job, Result
@@ -140,3 +142,9 @@ def test_the_layout_of_the_report_is_no_part_of_what_results_depend_on() -> None
         assert not parts & {f"experiments.{name}" for name in ("report", "tables", "figures", "campaign")}
     assert "experiments.traversal" not in imported_scripts("experiments.mapping")
     assert code_version() != code_version("experiments.traversal")
+
+
+def test_a_study_of_profile_thesis_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["experiment", "ablation", "--profile", "thesis", "--work", str(tmp_path / "work")]
+    assert execute(arguments) == 2
+    assert "studies are of profile default" in capsys.readouterr().err
