@@ -14,6 +14,8 @@ _GATE = 16.0
 """Squared standard deviations beyond which a correction is refused."""
 _DOUBT, _DOUBT_PLACE = math.radians(4.0), 0.009
 """Standard deviations of the heading (rad) and the place (m) beyond which a pose is doubtful."""
+_CLEAR = 0.01
+"""Standard deviation (rad) of a wall's direction up to which it is counted on to be seen from there again."""
 _FOOT = 0.001
 """Standard deviation (m) of the distance to a wall swept over."""
 _HEADING, _BLIND_HEADING = 0.0063, 0.0125
@@ -171,7 +173,8 @@ class LocalPose:
         cosine, sine = math.cos(mark.normal), math.sin(mark.normal)
         offset = self.x * cosine + self.y * sine + wall.distance
         self._update((cosine, sine, 0.0), mark.offset - offset, mark.offset_variance + _FOOT**2)
-        if known and math.hypot(self.x, self.y) < math.hypot(*mark.lookout):
+        clear = wall.deviation < _CLEAR
+        if known and clear and math.hypot(self.x, self.y) < math.hypot(*mark.lookout):
             mark.lookout = (self.x, self.y)
         return known
 

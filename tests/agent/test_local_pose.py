@@ -132,6 +132,15 @@ def test_walls_tell_what_unequal_wheels_turn(veer: float) -> None:
     assert abs(wrap_angle(pose.heading - true.heading)) < 0.02
 
 
+def test_where_a_wall_was_barely_seen_is_no_lookout() -> None:
+    pose = LocalPose()
+    pose.know(RIGHT, 0.057, 0.005, (0.1, 0.0))
+    assert pose.see(seen(Pose(), pose, RIGHT, 0.057, deviation=0.02))
+    assert pose.landmarks[0].lookout == (0.1, 0.0)
+    assert pose.see(seen(Pose(), pose, RIGHT, 0.057, deviation=0.004))
+    assert math.hypot(*pose.landmarks[0].lookout) < 0.01
+
+
 def test_unequal_wheels_make_it_doubtful_sooner() -> None:
     known, unknown = LocalPose(), LocalPose(veer=0.23)
     for pose in (known, unknown):
