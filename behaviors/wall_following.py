@@ -25,6 +25,8 @@ _PARALLEL = 5
 """Lines of a wall after which its direction is known to a robot that began beside it."""
 _UNSEEN = 0.004
 """Meters without a sight of the wall's direction after which it has ended."""
+_TURNED = 0.02
+"""Standard deviation (rad) of the direction of a wall after a turn, if no line of it is seen: a thin one's end."""
 _AROUND = math.radians(100.0)
 """How far a convex corner is turned around at once: after more, the way would lead over its edge."""
 _SHY_TURN = 1.0
@@ -258,7 +260,7 @@ class WallFollowing(Behavior):
                 if wall is not None:
                     self._meet(wall)
                 else:
-                    self._wall = SideWall(context.geometry.body_radius + view.side)
+                    self._wall = SideWall(context.geometry.body_radius + view.side, 0.0, _TURNED)
                 self._misses = 0
                 self._leg = 0.0
                 self.fire("found_wall")
@@ -382,7 +384,8 @@ class WallFollowing(Behavior):
     def _drive(self, turn_rate: float) -> WheelCommand:
         """Forward while turning at `turn_rate` (rad/s at the set speed, away from the wall is positive)."""
         assert self._view is not None
-        ending = self.state in (Following.FOLLOW, Following.ADVANCE) and self._seen > 0.0
+        # Not along a wall whose direction was never seen, such as a thin one's end.
+        ending = self._seen > 0.0 and self.state in (Following.FOLLOW, Following.ADVANCE)
         blind = ending and self._path - self._seen > _UNSEEN
         speed = self.config.blind_speed if blind else self.config.speed
         # Slower along the same way: as much turn in a meter.
