@@ -26,7 +26,7 @@ _PARALLEL = 5
 _UNSEEN = 0.004
 """Meters without a sight of the wall's direction after which it has ended."""
 _TURNED = 0.02
-"""Standard deviation (rad) of the direction of a wall after a turn, if no line of it is seen: a thin one's end."""
+"""Standard deviation (rad) of a wall's direction after a turn, if no line of it is seen: a thin one's end."""
 _AROUND = math.radians(100.0)
 """How far a convex corner is turned around at once: after more, the way would lead over its edge."""
 _SHY_TURN = 1.0
