@@ -6,8 +6,8 @@ compares.
 
 from __future__ import annotations
 
+import argparse
 import inspect
-import sys
 from dataclasses import fields
 from pathlib import Path
 
@@ -45,7 +45,9 @@ def page() -> str:
 
 def main() -> None:
     """Writes the page to the path that is given."""
-    Path(sys.argv[1]).write_text(page(), encoding="utf-8")
+    parser = argparse.ArgumentParser(prog="draw_behaviors", description=__doc__)
+    parser.add_argument("path", type=Path)
+    parser.parse_args().path.write_text(page(), encoding="utf-8")
 
 
 if __name__ == "__main__":
