@@ -1,4 +1,4 @@
-"""A visual compass: by how much one panorama is turned against another taken at the same place.
+"""A visual compass: by how much a panorama is turned against another of the same place, and how unlike it is.
 
 Good to 0.4 deg (median, white walls) on the spot; near walls parallax spoils it: 1 deg at 2 cm, 4 at 4 cm.
 """
@@ -16,6 +16,10 @@ _RANGE = math.radians(20.0)
 _STEP = math.radians(0.5)
 _LEAST_SHARPNESS = 0.1
 """Less comes of plain views, whose differences are rounding; among real walls it is 0.2 and more."""
+
+
+_ALIKE = math.radians(8.0)
+"""Two panoramas of one place, each taken on arrival at it, are turned against each other by less (rad)."""
 
 
 class Turn(NamedTuple):
@@ -44,17 +48,24 @@ def _shifts(width: int, field: float) -> tuple[NDArray[np.float64], NDArray[np.f
     return turns, weights, valid.astype(np.float32)
 
 
+def _costs(
+    reference: NDArray[np.float32], view: NDArray[np.float32], field: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Candidate turns (k,) rad; squared differences (k, 4) summed by view; pixels (k,) they are of."""
+    turns, weights, valid = _shifts(reference.shape[2], field)
+    shifted = np.einsum("kuc,vhc->kvhu", weights, reference, optimize=True)
+    squares = ((shifted - view[None]) ** 2).sum(axis=2)
+    return turns, (squares * valid[:, None, :]).sum(axis=2), valid.sum(axis=1) * reference.shape[1]
+
+
 def turn_between(reference: NDArray[np.float32], view: NDArray[np.float32], field: float) -> Turn | None:
     """How far `view` is turned against `reference`, (4, height, width) panoramas; None if they do not tell.
 
     field: the camera's horizontal field of view (rad). The four directions are shifted together; the turn
     with the least mean squared difference over the columns that both see is taken, to a part of a step.
     """
-    turns, weights, valid = _shifts(reference.shape[2], field)
-    shifted = np.einsum("kuc,vhc->kvhu", weights, reference, optimize=True)
-    squares = ((shifted - view[None]) ** 2).sum(axis=(1, 2))
-    count = valid.sum(axis=1) * reference.shape[0] * reference.shape[1]
-    cost = (squares * valid).sum(axis=1) / count
+    turns, squares, pixels = _costs(reference, view, field)
+    cost = squares.sum(axis=1) / (pixels * reference.shape[0])
     best = int(np.argmin(cost))
     if best in (0, len(turns) - 1):
         return None
@@ -67,3 +78,23 @@ def turn_between(reference: NDArray[np.float32], view: NDArray[np.float32], fiel
         return None
     offset = 0.5 * (before - after) / bend
     return Turn(float(turns[best]) + offset * _STEP, sharpness)
+
+
+def difference(
+    reference: NDArray[np.float32], view: NDArray[np.float32], field: float, most: float = _ALIKE
+) -> float:
+    """Root mean square of the luminances by which two panoramas differ, each view turned as fits it best.
+
+    Shapes and field as for `turn_between`; most: to turn by, rad. The robot turned between the views, not
+    exactly by quarters, so each has its own turn.
+    """
+    turns, squares, pixels = _costs(reference, view, field)
+    near = np.abs(turns) <= most
+    return math.sqrt(float((squares[near] / pixels[near, None]).min(axis=0).mean()))
+
+
+def sensitivity(reference: NDArray[np.float32], field: float, turn: float) -> float:
+    """Root mean square of the luminances by which a panorama differs from itself turned by `turn` (rad)."""
+    turns, squares, pixels = _costs(reference, reference, field)
+    k = int(np.abs(turns - turn).argmin())
+    return math.sqrt(float(squares[k].mean() / pixels[k]))

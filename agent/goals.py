@@ -169,3 +169,15 @@ class GoThrough:
     places: tuple[tuple[float, float], ...]
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)
     heading: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class LookAround:
+    """Turn in place by `turn` (rad, counter-clockwise); then, if `views`, take a four-directional image.
+
+    The image's views are ahead, left, behind and right of where the robot points after the turn; it ends
+    pointing there again.
+    """
+
+    turn: float = 0.0
+    views: bool = True

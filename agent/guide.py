@@ -9,9 +9,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 from ..world.robot import Pose, wrap_angle
+from .boundary_filter import CHANGED, LocalizationConfig
 from .events import Event, NodePassed, Stuck
 from .goals import Leg, LegDriven
-from .localization import CHANGED, LocalizationConfig, Localizer
+from .localization import Localizer
 
 if TYPE_CHECKING:
     from ..maps.hybrid_map import HybridMap

@@ -25,8 +25,7 @@ from .events import (
     NodeCommitted,
     NodeCreated,
 )
-from .goals import ExploreLocally, Follow, LocalSamples
-from .thesis_goals import LookAround
+from .goals import ExploreLocally, Follow, LocalSamples, LookAround
 
 if TYPE_CHECKING:
     from ..maps.hybrid_map import HybridMap

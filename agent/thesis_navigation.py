@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING, Any
 from ..maps.errors import MapError
 from ..world.robot import Percept, Pose
 from .events import BehaviorFinished, Lost, NodePassed, NodeReached
-from .goals import Follow, GoThrough, Leg, LegDriven, PlacesDriven
-from .thesis_goals import LookAround
+from .goals import Follow, GoThrough, Leg, LegDriven, LookAround, PlacesDriven
 
 if TYPE_CHECKING:
     from ..maps.hybrid_map import Arc, HybridMap

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
+from ..agent.goals import LookAround
 from ..agent.motion import spin_command
-from ..agent.thesis_goals import LookAround
 from ..world.robot import STOP, Image, Percept
 
 _DIRECTIONS = 4
@@ -33,7 +33,7 @@ class Looking(Enum):
 
 
 class LookAroundBehavior(Behavior):
-    """Turns, looks, turns back. Goal: `agent.thesis_goals.LookAround`.
+    """Turns, looks, turns back. Goal: `agent.goals.LookAround`.
 
     Result: (4, 16, 16) luminance in [0, 1], views ahead, left, behind, right; None without views.
     """

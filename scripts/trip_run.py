@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from ..agent import Agent
+from ..agent.boundary_filter import CHANGED, LocalizationConfig
 from ..agent.events import Stuck
 from ..agent.goals import Leg, LegDriven
 from ..agent.guide import AnyNavigator
-from ..agent.localization import CHANGED, LocalizationConfig, Localizer
+from ..agent.localization import Localizer
 from ..agent.navigation import Navigator
 from ..maps.hybrid_map import HybridMap
 from ..maps.map_file import MapFile, Truth, read_truth

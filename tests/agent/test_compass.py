@@ -6,28 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
-from tolman.agent.compass import turn_between
-from tolman.world.robot import EPUCK
+from tolman.agent.compass import difference, sensitivity, turn_between
 
-FIELD = EPUCK.camera_field_of_view
-
-
-def panorama(seed: int, turned: float = 0.0, width: int = 16) -> NDArray[np.float32]:
-    """Four views (4, 16, width) of smooth scenery all around, taken after turning by `turned` (rad)."""
-    rng = np.random.default_rng(seed)
-    orders = np.arange(1, 9)
-    amplitude = rng.normal(0.0, 1.0, (16, 8)) / orders
-    phase = rng.uniform(0.0, math.tau, (16, 8))
-    focal = 0.5 * width / math.tan(0.5 * FIELD)
-    bearing = np.arctan((0.5 * width - np.arange(width) - 0.5) / focal)
-    views = [
-        (
-            amplitude[:, None, :] * np.cos(orders * (bearing[None, :, None] + direction) + phase[:, None, :])
-        ).sum(2)
-        for direction in turned + 0.5 * math.pi * np.arange(4)
-    ]
-    return (0.5 + 0.1 * np.array(views)).astype(np.float32)
+from .sceneries import FIELD, panorama
 
 
 @settings(max_examples=40, deadline=None)
@@ -56,3 +37,24 @@ def test_a_turn_beyond_its_range_is_not_told_as_a_small_one() -> None:
 def test_plain_views_tell_nothing(grey: float, brighter: float) -> None:
     plain = np.full((4, 16, 16), grey, dtype=np.float32)
     assert turn_between(plain, plain + np.float32(brighter), FIELD) is None
+
+
+@given(seed=st.integers(0, 1000), turned=st.floats(-0.1, 0.1))
+@settings(max_examples=40, deadline=None)
+def test_the_same_surroundings_differ_by_little_however_turned(seed: int, turned: float) -> None:
+    here = panorama(seed)
+    alike = difference(here, panorama(seed, turned=turned), FIELD)
+    assert alike < 0.3 * difference(here, panorama(seed + 1), FIELD)
+    assert difference(here, here, FIELD) < 1e-6
+
+
+def test_each_view_may_be_turned_by_itself() -> None:
+    views = panorama(2)
+    drifting = np.stack([panorama(2, turned=0.02 * k)[k] for k in range(4)])
+    assert difference(views, drifting, FIELD) < 0.01
+
+
+def test_sensitivity_grows_with_the_turn_and_vanishes_where_all_looks_alike() -> None:
+    changes = [sensitivity(panorama(5), FIELD, math.radians(turn)) for turn in (0.0, 1.0, 3.0)]
+    assert changes[0] < 1e-6 < changes[1] < changes[2]
+    assert sensitivity(np.full((4, 16, 16), 0.5, dtype=np.float32), FIELD, 0.02) < 1e-6

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from tolman.agent import Agent
 from tolman.agent.events import BehaviorFinished
-from tolman.agent.thesis_goals import LookAround
+from tolman.agent.goals import LookAround
 from tolman.behaviors.look_around import LookAroundBehavior
 from tolman.world import open_world
 from tolman.world.robot import Pose, wrap_angle

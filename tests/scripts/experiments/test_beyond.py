@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,11 +10,13 @@ import pytest
 from tolman.maps.hybrid_map import HybridMap
 from tolman.maps.map_file import read_truth
 from tolman.scripts.experiments.beyond import DROPS, drop_pose, find_place
-from tolman.scripts.experiments.changes import CHANGES, change_world, drive_in_changed_world
+from tolman.scripts.experiments.changes import CHANGES, change_world, drive_in_changed_world, places_now
 from tolman.scripts.requests import MapRequest
 from tolman.scripts.session import map_world
 from tolman.world.arenas import find_world
 from tolman.world.geometry import Plan
+from tolman.world.robot import Pose
+from tolman.world.spec import Box
 
 SETTINGS = {
     "map world": "env1",
@@ -63,6 +66,19 @@ def test_a_changed_world_differs_by_one_box(env1: Path, change: str) -> None:
         len(after - before),
     )
     assert box in (before | after)
+
+
+def test_a_node_at_a_box_that_was_moved_moves_with_it() -> None:
+    spec = find_world("env1")
+    box = spec.shapes[4]
+    assert isinstance(box, Box)
+    moved = replace(box, x=box.x + 0.1)
+    changed = replace(spec, shapes=(*spec.shapes[:4], moved, *spec.shapes[5:]))
+    corner = Pose(box.x - box.width / 2 - 0.057, box.y + box.depth / 2 + 0.057, 0.0)
+    old, new = places_now(corner, spec, changed)
+    assert (old, new.x - old.x, new.y) == (corner, pytest.approx(0.1), corner.y)
+    assert places_now(Pose(0.06, 0.94, 0.0), spec, changed) == [Pose(0.06, 0.94, 0.0)]
+    assert places_now(corner, spec, replace(spec, shapes=spec.shapes[:4])) == [corner]
 
 
 @pytest.mark.parametrize("seed", [3, 14])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tolman.agent.localization import BoundaryFilter
+from tolman.agent.boundary_filter import BoundaryFilter
 from tolman.maps.hybrid_map import HybridMap
 from tolman.maps.meta import MapMeta
 
@@ -90,3 +90,54 @@ def test_one_arc_is_not_enough_to_claim_a_place() -> None:
     found.corner("concave", 0.3)
     found.corner("convex", 0.9)
     assert found.claim is None
+
+
+SQUARE = [("concave", 0.9)] * 4
+
+
+def look(found: BoundaryFilter, truth: int, apart: float = 9.0) -> None:
+    """A look around at a corner that is unlike every other node's by `apart` nats."""
+    found.seen({node: 0.0 if node == truth else -apart for node in found.likely})
+
+
+@pytest.mark.parametrize("start", range(4))
+def test_views_tell_where_it_is_in_a_room_that_repeats_itself(start: int) -> None:
+    found = BoundaryFilter(room(SQUARE))
+    found.corner("concave", 0.4)
+    assert len(found.contested) == 6
+    look(found, start)
+    assert found.claim is None
+    found.turned(QUARTER)
+    found.corner("concave", 0.901)
+    look(found, (start + 1) % 4)
+    assert found.claim == (start + 1) % 4
+    assert found.contested == []
+
+
+def test_a_single_look_is_never_enough() -> None:
+    found = BoundaryFilter(room(SQUARE))
+    found.corner("concave", 0.4)
+    look(found, 0, apart=1000.0)
+    for _ in range(3):
+        found.turned(QUARTER)
+        found.corner("concave", 0.9)
+        found.seen({})
+    assert found.claim is None
+
+
+def test_views_do_not_outweigh_a_boundary_that_fits_nowhere_else() -> None:
+    found = BoundaryFilter(room(ROOM))
+    found.corner("concave", 0.2)
+    found.seen({node: 0.0 if node == 8 else -1000.0 for node in found.likely})
+    rng = np.random.default_rng(2)
+    for node in range(4):
+        found.turned(QUARTER if ROOM[node][0] == "concave" else -QUARTER)
+        found.corner(ROOM[node + 1][0], ROOM[node][1] + rng.normal(0, 0.002))
+        assert found.claim in (None, node + 1)
+    assert found.claim == 4
+
+
+def test_where_the_boundary_decides_soon_nothing_is_contested() -> None:
+    found = BoundaryFilter(room(ROOM))
+    found.corner("concave", 0.2)
+    assert found.contested == []
