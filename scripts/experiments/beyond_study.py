@@ -115,7 +115,8 @@ def _unknown_starts(asked: Asked, results: Results) -> str:
     verdict = (
         f"Right within half a loop: **{right} of {total}** (target 49 of 50); false claims in all: "
         f"**{wrong}** (target none in 200). In `{PATTERNED}` views alone tell places apart "
-        f"(its maps, and those of `{AMBIGUOUS}`, have local maps); in `{AMBIGUOUS}` nothing does: *ambiguous* is right there."
+        f"(its maps, and those of `{AMBIGUOUS}`, have local maps); in `{AMBIGUOUS}` "
+        "nothing does: *ambiguous* is right there."
     )
     return f"{verdict}\n\n{markdown_table(header, lines)}"
 
