@@ -24,6 +24,8 @@ _BEND_REACH = 0.4
 """How far, as a share of the arc there, a bend may be met elsewhere the next time."""
 _ENOUGH = 3
 """Corners of a loop beside which its bends count for nothing."""
+BLUNT = math.radians(84.0)
+"""Turn (rad) at a corner up to which, when driving, it may be met one time and felt as a bend the next."""
 WEAK = math.radians(40.0)
 """Turn (rad) of a corner up to which it may be taken for a bend of the wall another time."""
 

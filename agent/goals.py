@@ -115,7 +115,8 @@ class Leg:
 
     turn: rad, counter-clockwise, to turn in place before. start: what the robot then stands at, None to go
     on following through the corner it has just reached. bend: rad, counter-clockwise, by which the boundary
-    turns at the corner it starts at. crossing: of a foray; then `distance` is of all its parts.
+    turns at the corner it starts at. crossing: of a foray; then `distance` is of all its parts. blunt:
+    whether that corner turns so little that it may be met one time and not the next.
     """
 
     source: int
@@ -127,6 +128,7 @@ class Leg:
     start: FollowFrom | None = None
     bend: float | None = None
     crossing: Crossing | None = None
+    blunt: bool = False
 
     @property
     def kind(self) -> str:

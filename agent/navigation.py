@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..maps.errors import MapError
 from ..world.robot import wrap_angle
+from .boundary import BLUNT
 from .calibration import MismatchLearner
 from .events import BehaviorFinished, CornerReached, Lost, NodePassed, NodeReached
 from .foray_drive import ForayDrive, ForayGates
@@ -61,16 +62,15 @@ def _foray_leg(hybrid_map: HybridMap, arc: Arc) -> Leg:
 
 
 def _leg(hybrid_map: HybridMap, arc: Arc, side: str | None, first: bool) -> Leg:
-    begin = hybrid_map.graph.nodes[arc.start]["corner"]
-    corner = hybrid_map.graph.nodes[arc.end]["corner"]
-    if arc.side == side:
-        if not first:
-            return Leg(arc.start, arc.end, arc.side, arc.distance, corner)
-        start = ONWARD[begin]
-        bend = hybrid_map.graph.nodes[arc.start]["turn"] or None
-        return Leg(arc.start, arc.end, arc.side, arc.distance, corner, 0.0, start, bend)
-    start = FollowFrom.GAP if begin == "convex" else FollowFrom.WALL
-    return Leg(arc.start, arc.end, arc.side, arc.distance, corner, math.pi, start)
+    nodes = hybrid_map.graph.nodes
+    begin, corner = nodes[arc.start]["corner"], nodes[arc.end]["corner"]
+    turn, start, bend = 0.0, None, None
+    if arc.side != side:
+        turn, start = math.pi, FollowFrom.GAP if begin == "convex" else FollowFrom.WALL
+    elif first:
+        start, bend = ONWARD[begin], nodes[arc.start]["turn"] or None
+    blunt = corner != "none" and 0.0 < abs(nodes[arc.end]["turn"]) < BLUNT
+    return Leg(arc.start, arc.end, arc.side, arc.distance, corner, turn, start, bend, blunt=blunt)
 
 
 class Navigator:

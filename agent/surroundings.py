@@ -80,6 +80,19 @@ class SideView:
         length = math.hypot(dx, dy)
         return abs(x1 * dy - y1 * dx) / length, -math.atan2(dy, dx)
 
+    def hits(self) -> tuple[tuple[float, float], ...]:
+        """What the side sensor and, if nothing is ahead, the diagonal one hit.
+
+        Each as distance from the robot's center (m) and bearing (rad, negative: the wall is on the right).
+        """
+        angles = self.geometry.infrared_angles
+        side = (self._radius + self.side, angles[_RIGHT[3]])
+        if self.side == math.inf:
+            return ()
+        if self.diagonal == math.inf or self.near != math.inf:
+            return (side,)
+        return side, (self._radius + self.diagonal, angles[_RIGHT[2]])
+
     def front_wall(self) -> tuple[float, float] | None:
         """(distance, angle) of the wall ahead: from the center (m), and how far to turn away to be parallel.
 

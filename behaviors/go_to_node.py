@@ -7,7 +7,7 @@ from enum import Enum
 from typing import Any
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
-from ..agent.boundary import BEND
+from ..agent.boundary import BEND, BLUNT
 from ..agent.events import CornerReached, Event, NodePassed
 from ..agent.goals import Follow, FollowFrom, GoAlong, Leg, LegDriven
 from ..agent.motion import spin_command
@@ -28,6 +28,10 @@ class GoToNodeConfig:
     gate_slope: float = 0.15
     turn_speed: float = 233.0
     recognize: bool = True
+
+
+_MISSED = 0.015
+"""Meters beyond a blunt corner's place after which it was not met as one this time."""
 
 
 class Going(Enum):
@@ -126,34 +130,68 @@ class GoToNode(Behavior):
         leg = self._legs[0]
         proposal = self._follower.propose(percept, context)
         corner, self._heard = self._heard, None
-        gate = max(self.config.gate, self.config.gate_slope * leg.distance)
-        if leg.corner == "none" or not self.config.recognize:
-            self._path += corner.path_length if corner is not None else 0.0
-            if self._path + self._follower.path >= leg.distance:
-                self._path += self._follower.path
-                self._arrive(leg, context)
-                return Proposal(STOP, 1.0, f"after {leg.distance:.2f} m, at node {leg.target}")
-            return proposal
         if corner is not None:
             self._path += corner.path_length
-            if corner.kind == BEND:
-                return proposal
-            if corner.kind == leg.corner and abs(self._path - leg.distance) <= gate:
-                self._arrive(leg, context)
-                return Proposal(STOP, 1.0, f"at node {leg.target}")
-            if self._path > leg.distance - gate:
-                self._give_up(
-                    f"expected a {leg.corner} corner {leg.distance:.2f} m after node {leg.source}, met a "
-                    f"{corner.kind} one after {self._path:.2f} m"
-                )
-        elif self._path + self._follower.path > leg.distance + gate:
+            if self.config.recognize and corner.kind != BEND:
+                return self._meet(corner, leg, context) or proposal
+        path = self._path + self._follower.path
+        if leg.corner == "none" or not self.config.recognize:
+            return proposal if path < leg.distance else self._pass(leg, path, context)
+        gate = self._gate(leg.distance)
+        stops = len(self._legs) == 1 or self._legs[1].start is not None
+        if path > leg.distance + (_MISSED if leg.blunt and stops else gate):
+            if leg.blunt:
+                return self._pass(leg, path, context)
             self._give_up(
                 f"no {leg.corner} corner within {leg.distance + gate:.2f} m after node {leg.source}"
             )
         return proposal
 
-    def _arrive(self, leg: Leg, context: Context) -> None:
-        recognized = self.config.recognize and leg.corner != "none"
+    def _meet(self, corner: CornerReached, leg: Leg, context: Context) -> Proposal | None:
+        """A corner: the end of this leg, of one further on if what lies between may be missed, or none."""
+        count = self._legs_to(corner)
+        for passed in self._legs[: max(0, count - 1)]:
+            path, self._path = self._path, passed.distance
+            self._arrive(passed, context, recognized=False)
+            self._path = path - passed.distance
+        if count:
+            last = self._legs[0]
+            self._arrive(last, context)
+            return Proposal(STOP, 1.0, f"at node {last.target}")
+        known = leg.corner != "none" and abs(corner.turn) >= BLUNT
+        if known and self._path > leg.distance - self._gate(leg.distance):
+            self._give_up(
+                f"expected a {leg.corner} corner {leg.distance:.2f} m after node {leg.source}, met a "
+                f"{corner.kind} one after {self._path:.2f} m"
+            )
+        return None
+
+    def _legs_to(self, corner: CornerReached) -> int:
+        """How many of the legs ahead end with this corner, 0 if none does."""
+        way = 0.0
+        for count, leg in enumerate(self._legs, 1):
+            if count > 1 and leg.start is not None:
+                break
+            way += leg.distance
+            if corner.kind == leg.corner and abs(self._path - way) <= self._gate(way):
+                return count
+            if not leg.blunt and leg.corner != "none":
+                break
+        return 0
+
+    def _pass(self, leg: Leg, path: float, context: Context) -> Proposal:
+        """Takes the place at hand, `path` m on, for the node, whose corner was not met."""
+        self._path = leg.distance
+        self._arrive(leg, context, recognized=False)
+        if self._legs and self._legs[0].start is None:
+            self._path += path - leg.distance
+        return Proposal(STOP, 1.0, f"after {leg.distance:.2f} m, at node {leg.target}")
+
+    def _gate(self, distance: float) -> float:
+        return max(self.config.gate, self.config.gate_slope * distance)
+
+    def _arrive(self, leg: Leg, context: Context, recognized: bool = True) -> None:
+        recognized = recognized and self.config.recognize and leg.corner != "none"
         self._driven.append(LegDriven(leg.source, leg.target, leg.side, self._path, recognized))
         context.publish(NodePassed(time=context.time, node=leg.target))
         self._legs.pop(0)

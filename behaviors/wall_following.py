@@ -29,6 +29,10 @@ _TURNED = 0.02
 """Standard deviation (rad) of a wall's direction after a turn, if no line of it is seen: a thin one's end."""
 _AROUND = math.radians(100.0)
 """How far a convex corner is turned around at once: after more, the way would lead over its edge."""
+_OPENING = 0.04
+"""Meters past a wall's end at which the robot, turned around it, would just not touch it."""
+_BLUNT = math.radians(60.0)
+"""A wall ahead that turns by less, right behind a convex corner, is the one that was to be turned to."""
 _SHY_TURN = 1.0
 """Turn rate (rad/s) away from what is nearly touched."""
 
@@ -111,8 +115,9 @@ class WallFollowing(Behavior):
         self._misses = 0
         self._remaining = 0.0
         self._sharper = 0.0
+        self._edge, self._past = 0.5 * math.pi, self.config.distance
         self._turned = 0.0
-        self._searching = self._swung = False
+        self._searching = self._swung = self._rounding = False
         self._settled = self._beside = False
         self._course = WallCourse()
         self._front: list[float] = []
@@ -207,12 +212,13 @@ class WallFollowing(Behavior):
         if view.side > config.lost_range:
             self._misses += 1
             if self._misses >= 2:
-                self._leg = context.distance
-                self.fire("wall_ended")
+                self._end_of_wall(context)
             return self._drive(-config.angle_gain * self._wall.angle)
         self._misses = 0
         reach = context.geometry.body_radius + view.side
-        if self._wall.see(view.side_wall(), reach, view.near < math.inf):
+        if self._wall.sweep(view.hits(), reach) or self._wall.see(
+            view.side_wall(), reach, view.near < math.inf
+        ):
             self._seen = self._path
         return self._keep(view, reach)
 
@@ -226,21 +232,44 @@ class WallFollowing(Behavior):
             # Something juts out that the filter does not know of: away from it first.
             distance = min(distance, abreast)
         error = max(-0.02, min(0.02, distance - config.distance))
-        return self._drive(-(config.angle_gain * wall.angle + config.distance_gain * error))
+        around = wall.bend * config.speed * view.geometry.distance_per_step
+        return self._drive(-(config.angle_gain * wall.angle + config.distance_gain * error + around))
 
     def _advance(self, view: SideView, context: Context) -> WheelCommand:
         self._count(context)
+        opening = self._leg >= _OPENING and view.side > self.config.lost_range
+        if opening and self._is_at_front(view.front_wall()):
+            # Across is the other wall of a passage: too narrow to pass its mouth, wide enough to enter.
+            return self._around(context)
         if self._at_front(view, context):
             return STOP
         self._leg += context.distance
-        if self._leg >= self.config.distance - self.config.advance_trim:
-            self._remaining = -0.5 * math.pi - self._wall.angle
-            self.fire("around")
-            self._arrive("convex", context)
-            return STOP
+        if self._leg >= self._past:
+            return self._around(context)
         if min(view.side, view.diagonal) < self.config.shy:  # an edge that was met askew
             return self._drive(_SHY_TURN)
         return self._drive(-self.config.angle_gain * self._wall.angle)
+
+    def _end_of_wall(self, context: Context) -> None:
+        """The corner is as far from the wall beyond as from this one; a right angle unless that was seen."""
+        config = self.config
+        self._leg, self._past, self._edge = (
+            context.distance,
+            config.distance - config.advance_trim,
+            0.5 * math.pi,
+        )
+        edge = self._wall.edge()
+        if edge is not None:
+            self._edge, self._leg = edge
+            self._past = config.distance * math.tan(0.5 * self._edge)
+        self.fire("wall_ended")
+
+    def _around(self, context: Context) -> WheelCommand:
+        """Turns around the wall's end."""
+        self._remaining = -self._edge - self._wall.angle
+        self.fire("around")
+        self._arrive("convex", context)
+        return STOP
 
     def _gap(self, view: SideView, context: Context) -> WheelCommand:
         self._count(context)
@@ -279,6 +308,7 @@ class WallFollowing(Behavior):
             return self._spin(self._remaining)
         self._turned = 0.0
         self._swung = self.state is Following.CONCAVE
+        self._rounding = self.state is Following.CONVEX
         self._leg = 0.0
         self._misses = 0
         self._front.clear()
@@ -300,8 +330,7 @@ class WallFollowing(Behavior):
     def _at_front(self, view: SideView, context: Context, slanted: tuple[float, float] | None = None) -> bool:
         """Stops for a wall ahead: looks a few ticks, standing, to learn where it lies, then turns."""
         front = slanted or view.front_wall()
-        limit = self.config.distance
-        if front is None or front[0] > limit + 0.0005:
+        if front is None or not self._is_at_front(front):
             self._front.clear()
             return False
         self._front.append(front[1])
@@ -317,8 +346,15 @@ class WallFollowing(Behavior):
             self._arrive("concave", context)
         return True
 
+    def _is_at_front(self, front: tuple[float, float] | None) -> bool:
+        return front is not None and front[0] <= self.config.distance + 0.0005
+
     def _still_turning(self) -> bool:
-        """Whether the wall ahead is the one it has just turned away from, and that was not enough."""
+        """Whether the wall ahead is the one just turned away from, and that was not enough; or turned to, and
+        that was too much, as around a blunt corner.
+        """
+        if self._rounding and self._remaining < _BLUNT:
+            return True
         askew = abs(self._remaining - 0.5 * math.pi) > 0.3
         return self._swung and self._path < 0.01 and (self._searching or askew)
 
@@ -366,12 +402,11 @@ class WallFollowing(Behavior):
             return
         if abs(self._course.swing) >= self.config.bend:
             self._tell(BEND, 0.0, context)
-            self._settled, self._beside = False, True
-            self._publish_wall(context)
+            self._settled, self._beside, self._swung = False, True, False
 
     def _publish_wall(self, context: Context) -> None:
         if not self._settled:
-            self._settled = True
+            self._settled, self._rounding = True, False
             heading = self._wall_direction(context)
             self.emit(
                 WallMet(time=context.time, side=self._side, heading=heading, path_length=self._path), context

@@ -22,12 +22,12 @@ DESCRIPTION = """Runs experiments of chapter 4 of the thesis in both profiles an
 the published ones. NAME is table-N for N = 4.2, 4.3, 4.5, 4.6, 4.10, 4.12, 4.14, 4.15, 4.16, 4.18, `all`
 (these) or `smoke` (these, but one run in one environment). Beyond the thesis, profile `default` alone:
 `variants` (rooms turned, mirrored, scaled, imported; more noise), `ablation` (each remedy off in turn),
-`unseen` (rooms and mazes drawn from seeds), `beyond` (unknown starts, changed worlds, obstacles that stand
-free).
+`unseen` (rooms and mazes drawn from seeds), `shapes` (rooms with slanted or round walls or narrow passages),
+`beyond` (unknown starts, changed worlds, obstacles that stand free).
 
 Finished runs are kept in the work folder, with their maps; the same command goes on where it was interrupted,
-and --finished-only reports what there is. Results do not depend on --jobs. Seeds below 2000 are meant for
-tuning, so the first one is 2000."""
+and --finished-only reports what there is. Results do not depend on --jobs. Seeds below 3000 were used for
+tuning, so the first one is 3000."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -61,9 +61,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--first-seed",
         type=integer(0),
-        default=2000,
+        default=3000,
         metavar="N",
-        help="seed of the first run (default 2000)",
+        help="seed of the first run (default 3000)",
     )
     parser.add_argument("--jobs", type=integer(1), default=1, metavar="N", help="processes (default 1)")
     parser.add_argument(

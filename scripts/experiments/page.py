@@ -16,12 +16,12 @@ from .plan import ENVIRONMENTS, FIRST_SEED, Outcome, Plan, plan_for, run_plan
 from .report import TUNED, report_text, report_values
 from .running import Running, versions
 from .study import Asked, Results, Study, run_study
-from .unseen import UNSEEN
+from .unseen import SHAPED, UNSEEN
 from .variants import VARIANTS
 from .worlds import import_world
 
 STUDIES: Mapping[str, Study] = MappingProxyType(
-    {study.name: study for study in (VARIANTS, ABLATION, UNSEEN, BEYOND)}
+    {study.name: study for study in (VARIANTS, ABLATION, UNSEEN, SHAPED, BEYOND)}
 )
 """What there is beyond the thesis's tables, by name."""
 

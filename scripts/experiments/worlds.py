@@ -19,6 +19,7 @@ from ...world.spec import WorldSpec
 from ...world.transforms import mirrored, rotated, scaled
 from ..cli_errors import UsageError
 from .random_rooms import random_room
+from .shaped_rooms import SHAPES, shaped_room
 
 ODD_ANGLE = math.radians(17.0)
 """No multiple of it up to a full turn is near a right angle's."""
@@ -43,6 +44,8 @@ def experiment_world(name: str, folder: Path) -> WorldSpec:
     base, change = split(name)
     if base == RANDOM:
         return random_room(int(change))
+    if base in SHAPES:
+        return shaped_room(base, int(change))
     scale = _SCALE.fullmatch(change)
     world: str | Path = base if base in built_in_worlds() else _imported(folder) / base
     if scale is not None:

@@ -111,6 +111,34 @@ def test_without_recognizing_corners_every_arc_ends_after_its_length() -> None:
     assert math.hypot(pose.x - 0.643, pose.y - 0.803) < 0.02
 
 
+def test_a_blunt_corner_that_is_not_met_is_passed_by_its_path_and_the_next_one_found() -> None:
+    """A node 20 cm along the first wall, at a corner that this wall has not."""
+    legs = (
+        Leg(0, 7, "right", 0.2, "concave", 0.0, FollowFrom.CONCAVE, QUARTER, blunt=True),
+        Leg(7, 1, "right", 0.346, "concave"),
+        ONWARD[1],
+    )
+    finished, pose, passed, _ = trip(Pose(0.943, 0.057, 0.0), GoAlong(legs), "none")
+    assert finished.succeeded
+    assert passed == [7, 1, 2]
+    assert [leg.recognized for leg in finished.result] == [False, True, True]
+    assert math.hypot(pose.x - 0.643, pose.y - 0.603) < 0.003
+
+
+@pytest.mark.parametrize("early", [0.02, -0.02])
+def test_a_bend_mapped_beside_a_corner_is_no_matter_on_whichever_side_it_is_felt(early: float) -> None:
+    """The bend's way is 2 cm too short or too long: too long, the corner comes first."""
+    legs = (
+        Leg(0, 7, "right", 0.546 - early, "none", 0.0, FollowFrom.CONCAVE, QUARTER),
+        Leg(7, 1, "right", max(0.0, early), "concave"),
+        ONWARD[1],
+    )
+    finished, pose, passed, _ = trip(Pose(0.943, 0.057, 0.0), GoAlong(legs), "none")
+    assert finished.succeeded
+    assert passed == [7, 1, 2]
+    assert math.hypot(pose.x - 0.643, pose.y - 0.603) < 0.003
+
+
 def test_a_trip_to_where_it_stands_is_done_with_the_last_turn() -> None:
     trial = Trial(GoToNode(), goal=GoAlong((), face=-1.0))
     trial.run(ticks=150)

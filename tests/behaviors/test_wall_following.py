@@ -290,3 +290,82 @@ def test_a_sharp_edge_is_passed_before_it_is_turned_around(tmp_path: Path) -> No
     assert corners[0].kind == "convex"
     end, pose = (1.0, 1.05), world.true_pose()
     assert math.dist(end, (pose.x, pose.y)) == pytest.approx(math.hypot(0.057, 0.057), abs=0.01)
+
+
+def in_a_room(folder: Path, text: str, start: Pose, side: str, seed: int) -> Follower:
+    """Beside a wall of a room of one's own, in the kinematic twin with the published noise."""
+    path = folder / "room.yaml"
+    path.write_text(f"tolman-world: 1\n{text}\n")
+    world = open_world(path, engine="kinematic", noise="thesis", seed=seed, start=start)
+    follower = Follower(world, side)
+    follower.agent.start("wall-following", Follow(side, FollowFrom.WALL))
+    return follower
+
+
+@pytest.mark.parametrize("radius", [0.05, 0.08, 0.15, 0.3])
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_a_pillar_is_followed_right_round_without_a_corner(tmp_path: Path, radius: float, side: str) -> None:
+    heading = 0.0 if side == "right" else math.pi
+    text = f"room: {{size: [2.0, 2.0]}}\ncylinders: [{{at: [1.0, 1.0], radius: {radius}}}]"
+    follower = in_a_room(tmp_path, text, Pose(1.0, 1.057 + radius, heading), side, seed=3)
+    away: list[float] = []
+    for _ in range(round(2.5 * math.tau * (radius + 0.057) / 0.03 / 0.032)):
+        follower.agent.tick()
+        follower.world.step()
+        pose = follower.world.true_pose()
+        away.append(math.hypot(pose.x - 1.0, pose.y - 1.0) - radius)
+    assert all(corner.kind == "bend" for corner, _ in follower.corners)
+    assert min(away) > 0.050
+    assert max(away) < 0.080
+    assert sum(away) / len(away) == pytest.approx(0.057, abs=0.004)
+
+
+def blunt_corner(degrees: float) -> str:
+    """A room with a block whose edge at (1.0, 0.5), seen from below, turns by so much."""
+    turn = math.radians(degrees)
+    right = [1.0 + 0.5 * math.cos(turn), 0.5 + 0.5 * math.sin(turn)]
+    points = [[0.3, 0.5], [1.0, 0.5], right, [0.3, right[1]]]
+    return f"room: {{size: [2.0, 1.6]}}\npolygons: [{{points: {points}}}]"
+
+
+@pytest.mark.parametrize("degrees", [52, 60])
+def test_a_blunt_corner_is_as_far_from_both_walls_from_either_side(tmp_path: Path, degrees: float) -> None:
+    turn = math.radians(degrees)
+    edge = 0.057 / math.cos(0.5 * turn)
+    place = (1.0 + edge * math.sin(0.5 * turn), 0.5 - edge * math.cos(0.5 * turn))
+    along = Pose(0.7, 0.443, 0.0), "left"
+    down = (1.0 + 0.3 * math.cos(turn), 0.5 + 0.3 * math.sin(turn))
+    start = Pose(down[0] + 0.057 * math.sin(turn), down[1] - 0.057 * math.cos(turn), turn - math.pi)
+    for pose, side in (along, (start, "right")):
+        for seed in range(4):
+            follower = in_a_room(tmp_path, blunt_corner(degrees), pose, side, seed).until(1)
+            corner, at = follower.corners[0]
+            assert corner.kind == "convex"
+            assert abs(corner.turn) == pytest.approx(turn, abs=0.17)
+            assert math.hypot(at.x - place[0], at.y - place[1]) < 0.012
+
+
+@pytest.mark.parametrize("degrees", [20, 30])
+def test_a_wall_that_bends_away_a_little_is_followed_without_a_corner(tmp_path: Path, degrees: float) -> None:
+    for seed in range(4):
+        follower = in_a_room(tmp_path, blunt_corner(degrees), Pose(0.7, 0.443, 0.0), "left", seed)
+        while follower.world.true_pose().x < 1.25:
+            follower.agent.tick()
+            follower.world.step()
+        assert follower.corners == []
+
+
+@pytest.mark.parametrize("gap", [0.10, 0.11, 0.13])
+def test_a_passage_hardly_wider_than_the_robot_is_driven_into(tmp_path: Path, gap: float) -> None:
+    """Up along a block that leaves a gap below the room's upper wall, then through it."""
+    text = f"room: {{size: [1.2, 1.0]}}\nboxes: [{{corners: [[0.5, 0.0], [0.7, {1.0 - gap}]]}}]"
+    for seed in range(4):
+        follower = in_a_room(tmp_path, text, Pose(0.443, 0.4, 0.5 * math.pi), "right", seed)
+        for _ in range(1200):
+            follower.agent.tick()
+            follower.world.step()
+            if follower.world.true_pose().x > 0.74:
+                break
+        assert follower.world.true_pose().x > 0.74
+        assert follower.corners[0][0].kind == "convex"
+        assert follower.world.collisions() == 0

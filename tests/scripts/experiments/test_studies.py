@@ -28,7 +28,7 @@ def mapping(**values: Any) -> Result:
         "explored": [[0.001, 0.01]],
         "collisions": 0,
         "sim_time_s": 100.0,
-        "seed": 2000,
+        "seed": 3000,
     }
     return {**result, **values}
 
@@ -62,7 +62,7 @@ def test_variants_map_every_world_from_both_sides_and_drive_each_map_twice() -> 
     assert sum(job.settings["kind"] == "map" for job in jobs) == 10
     assert sum(job.settings["kind"] == "traverse" for job in jobs) == 20
     assert {job.settings["side"] for job in jobs if job.settings["kind"] == "map"} == {"right", "left"}
-    assert all(int(str(job.settings["seed"])) >= 2000 for job in jobs)
+    assert all(int(str(job.settings["seed"])) >= 3000 for job in jobs)
 
 
 def test_imported_worlds_are_mapped_without_local_maps_and_driven_from_node_to_node() -> None:
@@ -77,7 +77,7 @@ def test_a_map_that_did_not_get_round_is_not_driven_and_says_why() -> None:
     jobs, results = jobs_of(VARIANTS, ASKED, lost)
     assert all(job.settings["kind"] == "map" for job in jobs)
     text = VARIANTS.report(ASKED, results)
-    assert "env1 rotated, mapping, seed 2000: 3 rounds without recognizing a corner (missed)" in text
+    assert "env1 rotated, mapping, seed 3000: 3 rounds without recognizing a corner (missed)" in text
     assert "**no**: loop closing" in text
 
 
@@ -110,12 +110,20 @@ def test_an_ablation_runs_the_whole_profile_and_each_without_one_remedy() -> Non
 def test_beyond_drops_robots_on_maps_of_both_sides_and_changes_worlds() -> None:
     jobs, _ = jobs_of(STUDIES["beyond"], Asked(runs=8, environments=("env1",)), mapping())
     kinds = [str(job.settings["kind"]) for job in jobs]
-    assert (
-        kinds.count("unknown-start") == 3 * 2 * 8
-    )  # env1 and two rooms that repeat themselves, dropped in two ways
+    # env1 and two rooms that repeat themselves, dropped in two ways
+    assert kinds.count("unknown-start") == 3 * 2 * 8
     assert kinds.count("changed-world") == 4 * 2
     assert {job.settings["map side"] for job in jobs if "map side" in job.settings} == {"right", "left"}
     assert sum("islands" in job.settings for job in jobs) == 1
+
+
+def test_shapes_map_and_drive_as_many_rooms_of_each_kind() -> None:
+    jobs, results = jobs_of(STUDIES["shapes"], Asked(runs=4), mapping())
+    worlds = [str(job.settings["world"]) for job in jobs if job.settings["kind"] == "map"]
+    assert len(worlds) == len(set(worlds)) == 12
+    text = STUDIES["shapes"].report(Asked(runs=4), results)
+    assert "Mapped, closed rightly and driven to the end: **12 of 12**" in text
+    assert [text.count(f"| {kind} ") for kind in ("slanted", "round", "narrow")] == [1, 1, 1]
 
 
 @pytest.mark.parametrize("name", sorted(STUDIES))
