@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from ..maps.layout import PLACE as PLACE
 from ..world.robot import Pose, wrap_angle
 from .boundary import BoundaryTrace, Corner
 
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
     from ..maps.hybrid_map import HybridMap
 
 Point = tuple[float, float]
-PLACE = "place_m"
-"""Note of the first node of a boundary that a foray found: its x, y (m) in the map frame."""
 _QUARTER = 0.5 * math.pi
 
 

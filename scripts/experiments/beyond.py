@@ -30,13 +30,11 @@ from ...world import World
 from ...world.arenas import find_world
 from ...world.geometry import Plan, cast
 from ...world.robot import EPUCK, Pose
-from ..requests import Simulation
 from ..trip_run import Trip
 from ..truth import read_map_truth
 from ..wiring import make_agent, make_world
 from .campaign import Job
-from .mapping import map_path, run_mapping
-from .traversal import LOST_BEYOND, map_job_of
+from .traversal import LOST_BEYOND, mapped_for, simulation_of
 
 DROPS: Mapping[str, tuple[float, float]] = {"wall": (0.04, 0.10), "open": (0.10, math.inf)}
 """Where a robot is dropped: least and most distance (m) of its center from the nearest wall."""
@@ -51,10 +49,7 @@ def unknown_start_job(map_job: Job, seed: int, drop: str) -> Job:
 
 def run_unknown_start(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """Drops a robot somewhere and lets it find out where it is; lengths in m, angles in rad."""
-    map_job = map_job_of(settings)
-    path = map_path(folder, map_job)
-    if not path.exists():
-        run_mapping(map_job.settings, folder)
+    path = mapped_for(settings, folder)
     return find_place(path, settings)
 
 
@@ -62,13 +57,7 @@ def find_place(path: Path, settings: Mapping[str, Any]) -> dict[str, Any]:
     """The same on a map file. Settings: seed, drop, and of the map world, profile, noise, noise_scale."""
     hybrid_map, truth = HybridMap.load(path), read_map_truth(path)
     assert truth is not None
-    simulation = Simulation(
-        seed=int(settings["seed"]),
-        profile=str(settings["map profile"]),
-        noise=str(settings["map noise"]),
-        noise_scale=float(settings["map noise_scale"]),
-        engine=str(settings.get("engine", "dart")),
-    )
+    simulation = simulation_of(settings)
     name = str(settings["map world"])
     start = drop_pose(Plan(find_world(name).shapes), str(settings["drop"]), simulation.seed)
     world = make_world(simulation, name, {}, start)

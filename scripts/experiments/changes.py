@@ -34,12 +34,10 @@ from ...world.geometry import Plan
 from ...world.robot import EPUCK, Pose
 from ...world.spec import Box, Shape, WorldSpec
 from ..profiles import find_profile, make_navigator
-from ..requests import Simulation
 from ..trip_run import Trip
 from ..wiring import make_agent
 from .campaign import Job
-from .mapping import map_path, run_mapping
-from .traversal import LOST_BEYOND, map_job_of
+from .traversal import LOST_BEYOND, mapped_for, simulation_of
 
 CHANGES = ("added", "removed", "moved", "shut")
 _OUTSIDE = 4
@@ -57,10 +55,7 @@ def changed_world_job(map_job: Job, seed: int, change: str) -> Job:
 
 def run_changed_world(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """Changes the world of a map and sends the robot somewhere; lengths in m."""
-    map_job = map_job_of(settings)
-    path = map_path(folder, map_job)
-    if not path.exists():
-        run_mapping(map_job.settings, folder)
+    path = mapped_for(settings, folder)
     return drive_in_changed_world(path, settings)
 
 
@@ -72,13 +67,7 @@ def drive_in_changed_world(path: Path, settings: Mapping[str, Any]) -> dict[str,
     change = str(settings["change"])
     changed, shape = change_world(spec, change, hybrid_map, truth, rng)
     start, goal = _two_nodes(Plan(changed.shapes), hybrid_map, truth, rng)
-    simulation = Simulation(
-        seed=int(settings["seed"]),
-        profile=str(settings["map profile"]),
-        noise=str(settings["map noise"]),
-        noise_scale=float(settings["map noise_scale"]),
-        engine=str(settings.get("engine", "dart")),
-    )
+    simulation = simulation_of(settings)
     world = open_world(
         changed,
         seed=simulation.seed,

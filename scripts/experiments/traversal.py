@@ -51,20 +51,32 @@ def map_job_of(settings: Mapping[str, Any]) -> Job:
     return Job(values)
 
 
-def run_traversal(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Runs the traversals of a job; lengths in m, angles in rad."""
+def mapped_for(settings: Mapping[str, Any], folder: Path) -> Path:
+    """The map that a job is about; it is mapped if the folder does not have it yet."""
     map_job = map_job_of(settings)
     path = map_path(folder, map_job)
     if not path.exists():
         run_mapping(map_job.settings, folder)
-    hybrid_map, truth = HybridMap.load(path), read_map_truth(path)
-    assert truth is not None
-    simulation = Simulation(
+    return path
+
+
+def simulation_of(settings: Mapping[str, Any]) -> Simulation:
+    """How a job that is about a map is simulated: with the map's profile and noise, and a seed of its own."""
+    return Simulation(
         seed=int(settings["seed"]),
         profile=str(settings["map profile"]),
         noise=str(settings["map noise"]),
         noise_scale=float(settings["map noise_scale"]),
+        engine=str(settings.get("engine", "dart")),
     )
+
+
+def run_traversal(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Runs the traversals of a job; lengths in m, angles in rad."""
+    path = mapped_for(settings, folder)
+    hybrid_map, truth = HybridMap.load(path), read_map_truth(path)
+    assert truth is not None
+    simulation = simulation_of(settings)
     arcs = round_of(hybrid_map)
     first = arcs[0].start if arcs else hybrid_map.nodes()[0]
     spec = experiment_world(str(settings["map world"]), folder)
@@ -117,6 +129,9 @@ class TraversalRun:
         profile = replace(find_profile(simulation.profile), correct=corrected)
         self.agent: Agent = make_agent(simulation, world, {}, profile=profile)
         self.navigator = make_navigator(profile, self.agent, hybrid_map, first, None)
+        self._comes_back = bool(profile.mapping.get("come_back", True))
+        exploring = profile.behaviors.get("local-exploration", {})
+        self._landmarks = profile.navigator == "corners" and bool(exploring.get("landmarks", True))
         self.scores = Scores()
         self.lost = ""
         self._local: LocalNavigator | None = None
@@ -181,8 +196,7 @@ class TraversalRun:
         if local_map is None:
             return
         if self._local is None or self._local.local_map is not local_map:
-            landmarks = isinstance(self.navigator, Navigator)
-            self._local = LocalNavigator(self.agent, self.map, node, landmarks=landmarks)
+            self._local = LocalNavigator(self.agent, self.map, node, landmarks=self._landmarks)
         local = self._local
         local.begin()
         to_visit = [unit for unit in range(local_map.metric.units) if local_map.hits[unit] > 0]
@@ -199,7 +213,8 @@ class TraversalRun:
         if isinstance(self.navigator, Navigator):
             true = self.truth[node].relative(self.world.true_pose())
             self.scores.corrections.append([float(node), true.x, true.y, local.pose.x, local.pose.y])
-            self._come_to_corner(node)
+            if self._comes_back:
+                self._come_to_corner(node)
 
     def _come_to_corner(self, node: int) -> None:
         """Corrects what driving the local map left, as profile `default` does after exploring one."""
