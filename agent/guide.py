@@ -36,6 +36,7 @@ class AnyNavigator(Protocol):
     """What a trip needs of a navigator, whichever the profile names."""
 
     agent: Agent
+    map: HybridMap
     node: int
     legs: list[LegDriven]
     planned: tuple[Leg, ...]
@@ -68,8 +69,9 @@ class AnyNavigator(Protocol):
 class Guide:
     """Takes the robot to nodes of one map, one trip after the other. Call `update` once a tick during a trip.
 
-    done, reached, reason: how the last trip stands. legs: the arcs driven on it, all attempts together.
-    blocked: arcs that could not be driven, marked as blocked in the map.
+    done, reached, reason: how the last trip stands. Of it, all attempts together: `legs`, the arcs driven;
+    `path`, the nodes; `reasons`, why each ended; `blocked`, arcs that could not be driven, marked as blocked
+    in the map. localizer: what found out last where the robot is, if anything had to.
     """
 
     def __init__(
@@ -78,7 +80,8 @@ class Guide:
         """The robot stands at the navigator's node now. localizes: whether it may find out where it is."""
         self.agent, self.map, self.navigator = agent, hybrid_map, navigator
         self._localizes = localizes
-        self._localizer: Localizer | None = None
+        self.localizer: Localizer | None = None
+        self._localizing = False
         self._stood: Pose | None = agent.odometry.pose
         self._left = agent.odometry.pose
         self._near: tuple[int, ...] = ()
@@ -89,12 +92,22 @@ class Guide:
         self._attempts = 0
         self._limit = 0.0
         self.done, self.reached, self.reason = True, False, ""
-        self.legs: list[LegDriven] = []
-        self.blocked: list[tuple[int, int, str]] = []
+        self._begin_records()
         self._subscriptions = [
             agent.bus.subscribe(NodePassed, self._on_passed),
             agent.bus.subscribe(Stuck, self._on_stuck),
         ]
+
+    def _begin_records(self) -> None:
+        self.legs: list[LegDriven] = []
+        self.path: list[int] = []
+        self.reasons: list[str] = []
+        self.blocked: list[tuple[int, int, str]] = []
+
+    @property
+    def attempts(self) -> int:
+        """Ways tried on the last trip."""
+        return ATTEMPTS - self._attempts
 
     @property
     def node(self) -> int | None:
@@ -119,7 +132,8 @@ class Guide:
     def go(self, goal: int) -> None:
         """Sets out. Where the robot is not known to be at a node it finds out first."""
         self.done = self.reached = self._stuck = False
-        self.reason, self.legs, self.blocked = "", [], []
+        self.reason = ""
+        self._begin_records()
         self._goal, self._attempts = goal, ATTEMPTS
         if self.node is None:
             self._localize(self.near)
@@ -135,9 +149,10 @@ class Guide:
             reason = "stuck" if self._stuck else f"not at node {self._goal} in time"
             self.cancel()
             self.reason = reason
-        elif self._localizer is not None:
-            if self._localizer.done:
-                self._found(self._localizer)
+            self.reasons.append(reason)
+        elif self._localizing:
+            if self.localizer is not None and self.localizer.done:
+                self._found(self.localizer)
         elif self.navigator.done:
             self._ended()
 
@@ -145,8 +160,8 @@ class Guide:
         """Stops where the robot is; the next trip begins there, wherever that is."""
         if self.done:
             return
-        if self._localizer is not None:
-            self._localizer.cancel()
+        if self._localizing and self.localizer is not None:
+            self.localizer.cancel()
             self.lose(self.near)
         else:
             self.navigator.cancel()
@@ -176,14 +191,16 @@ class Guide:
             self._end(False, "the robot does not know where it is, and its profile has no way to find out")
             return
         config = CHANGED if changed else LocalizationConfig()
-        self._localizer = localizer = Localizer(self.agent, self.map, config, near)
+        self.localizer = localizer = Localizer(self.agent, self.map, config, near)
+        self._localizing = True
         self._limit = self.agent.context.time + PATIENCE + 3.0 * TIME_PER_METER * localizer.filter.loop_length
         localizer.begin()
 
     def _found(self, localizer: Localizer) -> None:
-        self._localizer = None
+        self._localizing = False
         if localizer.node is None:
             self.lose()
+            self.reasons.append(localizer.reason)
             self._end(False, f"the robot does not know where it is: {localizer.reason}")
         else:
             self.stand_at(localizer.node)
@@ -201,6 +218,7 @@ class Guide:
         """One way was driven to its end, or as far as it led."""
         self._collect()
         navigator = self.navigator
+        self.reasons.append(navigator.reason)
         if navigator.reached:
             self._stood = self.agent.odometry.pose
             self._end(True, navigator.reason)
@@ -217,7 +235,9 @@ class Guide:
         self._end(False, navigator.reason)
 
     def _collect(self) -> None:
-        self.legs += self.navigator.legs
+        driven = self.navigator.legs
+        self.legs += driven
+        self.path += self.navigator.path[: len(driven) + 1]
 
     def _around(self) -> tuple[int, ...]:
         """The nodes of which one is met first from here, following the wall by the map's side.
@@ -257,5 +277,5 @@ class Guide:
         self._stuck |= event.given_up
 
     def _end(self, reached: bool, reason: str) -> None:
-        self._localizer = None
+        self._localizing = False
         self.done, self.reached, self.reason = True, reached, reason

@@ -10,10 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from ..agent import Agent
-from ..agent.boundary_filter import CHANGED, LocalizationConfig
 from ..agent.events import Stuck
-from ..agent.goals import Leg, LegDriven
-from ..agent.guide import AnyNavigator
+from ..agent.goals import LegDriven
+from ..agent.guide import TIME_PER_METER, AnyNavigator, Guide
 from ..agent.localization import Localizer
 from ..agent.navigation import Navigator
 from ..maps.hybrid_map import HybridMap
@@ -29,13 +28,9 @@ from .wiring import load_settings, make_agent, make_world
 
 LOST_BEYOND = 0.15
 """Meters from the node it says it is at beyond which a robot is lost."""
-ATTEMPTS = 4
-"""Ways tried to a node before a trip is given up."""
 _BACK = {"right": "left", "left": "right"}
 _ANYWHERE = 7
 """What sets the draw of a start pose apart from the other uses of the seed."""
-TIME_PER_METER = 120.0
-"""Simulated seconds that a trip may take for each meter of its arcs, plus 120."""
 
 
 def go_to(request: GoRequest, progress: Callable[[Progress], None] = lambda progress: None) -> GoReport:
@@ -143,16 +138,12 @@ class Trip:
             raise SessionError("this trip never had to find out where it is")
         return self._localizer
 
-    def localize(
-        self,
-        hybrid_map: HybridMap,
-        config: LocalizationConfig = LocalizationConfig(),  # noqa: B008  frozen
-    ) -> int | None:
+    def localize(self, hybrid_map: HybridMap) -> int | None:
         """Drives along the boundary until the robot knows where it is; None if it never does."""
-        self._localizer = localizer = Localizer(self.agent, hybrid_map, config)
+        self._localizer = localizer = Localizer(self.agent, hybrid_map)
         localizer.begin()
         limit = self.world.time + 120.0 + 3.0 * TIME_PER_METER * localizer.filter.loop_length
-        self._run(lambda: localizer.done, limit, "finding out where it is")
+        self._run(lambda: localizer.done or self._stuck, limit, "finding out where it is")
         return localizer.node
 
     def give_up(self) -> GoReport:
@@ -166,64 +157,40 @@ class Trip:
         )
 
     def drive(self, navigator: AnyNavigator, goal: int, truth: Truth) -> GoReport:
-        """Drives to the goal and scores where it stops.
-
-        An arc that cannot be driven is taken as blocked: the robot finds out where it is and looks for
-        another way, a few times.
-        """
-        path: list[int] = []
-        legs: list[LegDriven] = []
-        reasons: list[str] = []
-        for _ in range(ATTEMPTS):
-            self.attempts += 1
-            reasons.append(self._attempt(navigator, goal))
-            legs += navigator.legs
-            path += navigator.path[: len(navigator.legs) + 1]
-            if not isinstance(navigator, Navigator) or (failed := navigator.failed) is None:
-                break
-            self._block(navigator.map, failed)
-            node = self.localize(navigator.map, CHANGED)
-            if node is None:
-                reasons.append(self._localizer.reason if self._localizer is not None else "")
-                break
-            navigator = Navigator(self.agent, navigator.map, node)
+        """Drives to the goal, by other ways where one is shut, and scores where it stops."""
+        guide = Guide(self.agent, navigator.map, navigator, localizes=isinstance(navigator, Navigator))
+        guide.go(goal)
+        self._run(lambda: guide.done, math.inf, f"on the way to node {goal}", guide.update)
+        self._localizer = guide.localizer or self._localizer
+        self.attempts, self.blocked = guide.attempts, guide.blocked
         pose = self.world.true_pose()
         place = Pose(*truth.nodes[goal]["pose"]) if goal in truth.nodes else None
-        return self._report(
-            reached=navigator.reached,
-            reason=reasons[-1] if navigator.reached else "; ".join(reasons),
-            path=tuple(path),
-            legs=tuple(_leg_values(leg) for leg in legs),
+        report = self._report(
+            reached=guide.reached,
+            reason=guide.reason if guide.reached else "; ".join(guide.reasons) or guide.reason,
+            path=tuple(guide.path),
+            legs=tuple(_leg_values(leg) for leg in guide.legs),
             error=None if place is None else place.distance_to(pose),
             turn=None if place is None else math.degrees(abs(wrap_angle(pose.heading - place.heading))),
         )
-
-    def _attempt(self, navigator: AnyNavigator, goal: int) -> str:
-        """One try to get there; returns why it ended."""
-        navigator.go(goal)
-        limit = 120.0 + TIME_PER_METER * sum(leg.distance for leg in navigator.planned)
-        self._run(lambda: navigator.done, self.world.time + limit, f"on the way to node {goal}")
-        if self._stuck and not navigator.done:
-            return "stuck"
-        return navigator.reason if navigator.done else f"not there after {limit:.0f} s"
+        guide.close()
+        return report
 
     def _on_stuck(self, event: Stuck) -> None:
         self._stuck |= event.given_up
 
-    def _block(self, hybrid_map: HybridMap, leg: Leg) -> None:
-        """Marks an arc and its reverse as blocked, in memory; a foray has none."""
-        ways = [(leg.source, leg.target, leg.kind)]
-        if leg.kind != "foray":
-            ways.append((leg.target, leg.source, _BACK[leg.side]))
-        for start, end, kind in ways:
-            if hybrid_map.graph.has_edge(start, end, kind):
-                hybrid_map.block(start, end, kind)
-                self.blocked.append((start, end, kind))
-
-    def _run(self, done: Callable[[], bool], limit: float, message: str) -> None:
-        while not done() and self.world.time < limit and not self._stuck:
+    def _run(
+        self,
+        done: Callable[[], bool],
+        limit: float,
+        message: str,
+        update: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Ticks until it is done; a robot that is stuck ends it, or is the business of `update`."""
+        while not done() and self.world.time < limit:
             self.agent.tick()
             self.world.step()
+            update()
             if self.world.time - self._told >= 1.0:
                 self._told = self.world.time
                 self.progress(Progress(self._told, 0, message))
