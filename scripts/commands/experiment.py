@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import math
+import signal
+import threading
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -131,7 +135,7 @@ def run(options: argparse.Namespace) -> int:
     if page.studies and options.profile == "thesis":
         raise UsageError("studies are of profile default; leave out --profile thesis, or name tables alone")
     line = ProgressLine()
-    with stdout_to_stderr():
+    with stdout_to_stderr(), _stopped_like_an_interrupt():
         page.run(_running(options, line))
         line.close()
         pictures = []
@@ -148,6 +152,19 @@ def run(options: argparse.Namespace) -> int:
     else:
         print(text, end="")
     return 1 if page.errors else 0
+
+
+@contextlib.contextmanager
+def _stopped_like_an_interrupt() -> Iterator[None]:
+    """Ends the worker processes too when this one is told to terminate."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _running(options: argparse.Namespace, line: ProgressLine) -> Running:

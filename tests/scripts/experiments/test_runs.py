@@ -2,6 +2,11 @@
 
 import functools
 import json
+import os
+import signal
+import subprocess
+import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -99,3 +104,33 @@ def test_an_unknown_experiment_is_refused_before_anything_runs(
     assert execute(["experiment", "table-9", "--work", str(tmp_path / "work")]) == 2
     assert "unknown experiment 'table-9'" in capsys.readouterr().err
     assert not (tmp_path / "work").exists()
+
+
+@pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM])
+def test_a_campaign_that_is_stopped_leaves_no_worker_behind(tmp_path: Path, stop: signal.Signals) -> None:
+    command = [sys.executable, "-m", "tolman.scripts.cli", "experiment", "table-4.2", "--runs", "200"]
+    with subprocess.Popen(
+        [*command, "--jobs", "2", "--work", str(tmp_path / "work")],
+        start_new_session=True,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as campaign:
+        assert campaign.stderr is not None
+        while "1 of" not in campaign.stderr.readline():
+            assert campaign.poll() is None
+        campaign.send_signal(stop)
+        assert "interrupted" in campaign.stderr.read()
+        assert campaign.wait(30) == 130
+    assert is_gone(campaign.pid)
+
+
+def is_gone(group: int) -> bool:
+    """Whether all processes of the group, the workers among them, end within ten seconds."""
+    for _ in range(100):
+        try:
+            os.killpg(group, 0)
+        except ProcessLookupError:
+            return True
+        time.sleep(0.1)
+    return False
