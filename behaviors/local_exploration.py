@@ -20,6 +20,8 @@ from ..world.robot import STOP, Image, Percept, RobotGeometry, WheelCommand, wra
 
 _PATIENCE = 12
 """Retreats before obstacles after which exploration goes home."""
+_UNSURE = math.radians(2.5)
+"""Standard deviation of the heading (rad) with which it does not go home from a place that told nothing."""
 _AT_HOME, _HOMINGS = 0.0025, 2
 """Meters from the node that will do, and how often it is driven to again where a fix tells more."""
 _BETWEEN_ERRANDS = 3
@@ -118,6 +120,7 @@ class LocalExploration(Behavior):
         self._rounded = False
         self._homings = 0
         self._approached = 0.0
+        self._seen_from: Cell | None = None
         self._facing = self._astray = self._approaching = False
         self._positions: list[tuple[float, float]] = []
         self._samples = PanoramaSamples()
@@ -329,13 +332,17 @@ class LocalExploration(Behavior):
         command = self._fix.fix(percept, context, speed)
         if command is not None:
             return command
-        if not self._fix.correct():
+        seen = self._fix.correct()
+        if seen:
+            self._seen_from = self._here
+        else:
             if not self._rounded:
                 self._rounded = True
                 self._fix.begin(ROUND)
                 return STOP
-            if self._errand is None and not self._approaching:
+            if not self._approaching:
                 self._approaching = self._astray = True
+                self._approached = 0.0
                 self.fire("nothing_seen")
                 return STOP
         self._facing = self._approaching = False
@@ -344,10 +351,19 @@ class LocalExploration(Behavior):
             self._no_errand_before = len(self._visited) + _BETWEEN_ERRANDS
         elif self._tour and self._is_at_place():
             self._tour.pop(0)
+            if not seen:
+                self._look_again()
         else:
             self._astray = True
         self.fire("fixed")
         return STOP
+
+    def _look_again(self) -> None:
+        """Looking in vain has cost heading: goes by the place that saw a wall last, once."""
+        again, self._seen_from = self._seen_from, None
+        unsure = self._pose.heading_variance > _UNSURE**2
+        if unsure and self._tour and again is not None and again != self._here:
+            self._tour.insert(0, again)
 
     def _is_at_place(self) -> bool:
         """Whether it stands where it should before it turns home, or has tried to often enough."""

@@ -30,8 +30,8 @@ the published ones. NAME is table-N for N = 4.2, 4.3, 4.5, 4.6, 4.10, 4.12, 4.14
 `beyond` (unknown starts, changed worlds, obstacles that stand free).
 
 Finished runs are kept in the work folder, with their maps; the same command goes on where it was interrupted,
-and --finished-only reports what there is. Results do not depend on --jobs. Seeds below 3000 were used for
-tuning, so the first one is 3000."""
+and --finished-only reports what there is. Results do not depend on --jobs. Seeds below 4000 were used for
+tuning, so the first one is 4000."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -65,9 +65,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--first-seed",
         type=integer(0),
-        default=3000,
+        default=4000,
         metavar="N",
-        help="seed of the first run (default 3000)",
+        help="seed of the first run (default 4000)",
     )
     parser.add_argument("--jobs", type=integer(1), default=1, metavar="N", help="processes (default 1)")
     parser.add_argument(

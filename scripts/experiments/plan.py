@@ -18,7 +18,7 @@ from .running import ALONE, SIDES, Running, expected_cost, paced, seeds
 from .traversal import traversal_job
 
 ENVIRONMENTS = ("env1", "env2", "env3")
-FIRST_SEED = 3000
+FIRST_SEED = 4000
 REFERENCE, GLOBAL, LOCAL, UNCORRECTED, CORRECTED = "reference", "global", "local", "uncorrected", "corrected"
 MAPS_FROM = 6
 """Mapping runs that the average maps are picked from."""

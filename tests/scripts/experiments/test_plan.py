@@ -22,7 +22,7 @@ from tolman.scripts.requests import SessionError
 def test_all_is_every_table_in_order_and_once() -> None:
     plan = plan_for(["table-4.3", "all", "all"], None, None)
     assert plan.tables == tuple(NEEDS)
-    assert (plan.runs, plan.global_runs, plan.first_seed) == (20, 50, 3000)
+    assert (plan.runs, plan.global_runs, plan.first_seed) == (20, 50, 4000)
 
 
 def test_smoke_is_one_run_in_one_environment() -> None:
