@@ -105,7 +105,7 @@ class IslandMapper:
         self._turned = 0.0
         self._corner: CornerReached | None = None
         self._anchored = 0.0
-        self._finding = False
+        self._finding = self._joining = False
         self._leaves = 0
         self._maybe: set[int] = set()
         self._gone: tuple[list[int], list[ArcKey]] = ([], [])
@@ -190,6 +190,10 @@ class IslandMapper:
         """Watches for what has no event: a mapping given up, an island without corners."""
         if self._doing is Doing.BOUNDARY and self.mapper.done and self.mapper.reason != "loop closed":
             self._end(self.mapper.reason, "the boundary was not closed")
+        if self._doing is Doing.FORAY and self._joining:
+            self._turned += context.turn
+            if abs(self._turned) > _ROUND:
+                self._leave_round_wall()
         if self._doing is not Doing.ISLAND:
             return
         pose = context.pose
@@ -212,7 +216,7 @@ class IslandMapper:
 
     def _rest(self, node: int) -> None:
         """Stands at a known node: all can be saved; then on to the next foray."""
-        self._node, self._doing = node, Doing.GOING
+        self._node, self._doing, self._joining = node, Doing.GOING, False
         self._anchor(node)
         link_islands(self.map, self._known(), self.side)
         self._save()
@@ -246,9 +250,19 @@ class IslandMapper:
         outer = self._known()[0].nodes
         return self._node not in outer and not leads(self.map, self._node, outer[0])
 
+    def _leave_round_wall(self) -> None:
+        """The wall it joined is that of a round obstacle known already: no corner will come."""
+        self._drive.stop()
+        self._finding = False
+        self._leaves += 1
+        if self._leaves > _LEAVES:
+            self._end("loop closed", "no way off a round obstacle")
+        else:
+            self._leave()
+
     def _leave(self) -> None:
         """Straight away from the wall at its side, wherever that leads."""
-        self._doing, self._chord = Doing.FORAY, None
+        self._doing, self._chord, self._joining = Doing.FORAY, None, False
         away = 0.4 * math.pi if self.side == "right" else -0.4 * math.pi
         self._drive.cross(away, _FARTHEST)
 
@@ -273,7 +287,7 @@ class IslandMapper:
             self._rest(event.node)
         elif self._doing is Doing.GOING and self._chord is not None and self._scouting is not None:
             self._learn_forays()
-            self._doing = Doing.FORAY
+            self._doing, self._joining = Doing.FORAY, False
             self.forays += 1
             data = self.map.graph.nodes[event.node]
             start = ONWARD[data["corner"]]
@@ -290,6 +304,7 @@ class IslandMapper:
         """A wall is met, and being joined: known, or an island."""
         assert self._scouting is not None
         self._hit = self.agent.odometry.pose
+        self._joining, self._turned = True, 0.0
         if self._chord is not None:
             self._scouting.drove(self._chord, self._hit.x, self._hit.y)
         if not self._scouting.is_known(self._known(), self._hit.x, self._hit.y, distance):
@@ -321,6 +336,7 @@ class IslandMapper:
     def _on_done(self, driven: Crossing | None, corner: CornerReached | None, reason: str) -> None:
         """At the corner after a wall that should be known, or the foray failed."""
         assert self._scouting is not None
+        self._joining = False
         if driven is None or corner is None:
             self._find_wall()
             return
@@ -339,7 +355,7 @@ class IslandMapper:
     # --- islands --------------------------------------------------------------------------------------
 
     def _begin_island(self) -> None:
-        self._doing = Doing.ISLAND
+        self._doing, self._joining = Doing.ISLAND, False
         self._new_mapper()
         self._first, self._place = None, None
         self._track, self._turned, self._maybe = [], 0.0, set()
@@ -439,7 +455,8 @@ class IslandMapper:
         """Something went wrong, but path integration still knows about where: the next corner will tell."""
         self._doing, self._chord = Doing.FORAY, None
         self._hit = self.agent.odometry.pose
-        self._finding = True
+        self._finding = self._joining = True
+        self._turned = 0.0
         self._drive.stop()
         self._drive.join()
 

@@ -166,3 +166,26 @@ def test_a_foray_without_a_way_to_drive_it_is_refused_in_one_line(
     report = go(path, world, island.nodes[0], origin=room.nodes[0])
     assert not report.reached
     assert "its notes lack 'crossing', how it is driven" in report.reason
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_round_obstacle_is_left_again_each_time_it_is_met(tmp_path: Path, seed: int) -> None:
+    """No corner tells a robot where on it it is: it must not go round and round."""
+    world = tmp_path / "round.yaml"
+    world.write_text(
+        "tolman-world: 1\nroom: {size: [1.5, 1.5]}\ncylinders: [{at: [0.8, 0.7], radius: 0.12}]\n"
+    )
+    report = map_world(
+        MapRequest(
+            world=str(world),
+            output=tmp_path / "round.tolman",
+            global_only=True,
+            islands=True,
+            engine="kinematic",
+            seed=seed,
+            max_time=4000.0,
+        )
+    )
+    assert report.reason == "loop closed"
+    assert report.scouted == "all is covered"
+    assert report.collisions == 0
