@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from ..world.robot import Percept, Pose, wrap_angle
 from .boundary import BEND
 from .events import CornerReached, Localized, LoopClosed, Lost, NodePassed, NodeReached
-from .foray_drive import ForayDrive
+from .foray_drive import ForayDrive, Stage
 from .forays import ScoutConfig, Scouting, node_at, nodes_near, pose_at
 from .goals import Crossing, Follow, FollowFrom
 from .island_links import ArcKey, arcs_into, is_same, leads, link_islands, take_back, unproven_link
@@ -105,7 +105,7 @@ class IslandMapper:
         self._turned = 0.0
         self._corner: CornerReached | None = None
         self._anchored = 0.0
-        self._finding = self._joining = False
+        self._finding = False
         self._leaves = 0
         self._maybe: set[int] = set()
         self._gone: tuple[list[int], list[ArcKey]] = ([], [])
@@ -190,7 +190,7 @@ class IslandMapper:
         """Watches for what has no event: a mapping given up, an island without corners."""
         if self._doing is Doing.BOUNDARY and self.mapper.done and self.mapper.reason != "loop closed":
             self._end(self.mapper.reason, "the boundary was not closed")
-        if self._doing is Doing.FORAY and self._joining:
+        if self._doing is Doing.FORAY and self._drive.stage is Stage.JOIN:
             self._turned += context.turn
             if abs(self._turned) > _ROUND:
                 self._leave_round_wall()
@@ -216,7 +216,7 @@ class IslandMapper:
 
     def _rest(self, node: int) -> None:
         """Stands at a known node: all can be saved; then on to the next foray."""
-        self._node, self._doing, self._joining = node, Doing.GOING, False
+        self._node, self._doing = node, Doing.GOING
         self._anchor(node)
         link_islands(self.map, self._known(), self.side)
         self._save()
@@ -262,7 +262,7 @@ class IslandMapper:
 
     def _leave(self) -> None:
         """Straight away from the wall at its side, wherever that leads."""
-        self._doing, self._chord, self._joining = Doing.FORAY, None, False
+        self._doing, self._chord = Doing.FORAY, None
         away = 0.4 * math.pi if self.side == "right" else -0.4 * math.pi
         self._drive.cross(away, _FARTHEST)
 
@@ -287,7 +287,7 @@ class IslandMapper:
             self._rest(event.node)
         elif self._doing is Doing.GOING and self._chord is not None and self._scouting is not None:
             self._learn_forays()
-            self._doing, self._joining = Doing.FORAY, False
+            self._doing = Doing.FORAY
             self.forays += 1
             data = self.map.graph.nodes[event.node]
             start = ONWARD[data["corner"]]
@@ -304,7 +304,7 @@ class IslandMapper:
         """A wall is met, and being joined: known, or an island."""
         assert self._scouting is not None
         self._hit = self.agent.odometry.pose
-        self._joining, self._turned = True, 0.0
+        self._turned = 0.0
         if self._chord is not None:
             self._scouting.drove(self._chord, self._hit.x, self._hit.y)
         if not self._scouting.is_known(self._known(), self._hit.x, self._hit.y, distance):
@@ -336,7 +336,6 @@ class IslandMapper:
     def _on_done(self, driven: Crossing | None, corner: CornerReached | None, reason: str) -> None:
         """At the corner after a wall that should be known, or the foray failed."""
         assert self._scouting is not None
-        self._joining = False
         if driven is None or corner is None:
             self._find_wall()
             return
@@ -355,7 +354,7 @@ class IslandMapper:
     # --- islands --------------------------------------------------------------------------------------
 
     def _begin_island(self) -> None:
-        self._doing, self._joining = Doing.ISLAND, False
+        self._doing = Doing.ISLAND
         self._new_mapper()
         self._first, self._place = None, None
         self._track, self._turned, self._maybe = [], 0.0, set()
@@ -455,7 +454,7 @@ class IslandMapper:
         """Something went wrong, but path integration still knows about where: the next corner will tell."""
         self._doing, self._chord = Doing.FORAY, None
         self._hit = self.agent.odometry.pose
-        self._finding = self._joining = True
+        self._finding = True
         self._turned = 0.0
         self._drive.stop()
         self._drive.join()
