@@ -44,7 +44,7 @@ class Page:
         """The page that the options of `tolman experiment` ask for. Raises: SessionError, UsageError."""
         studies = [STUDIES[name] for name in dict.fromkeys(options.names) if name in STUDIES]
         tables = [name for name in options.names if name not in STUDIES]
-        plan = plan_for(tables, options.runs, options.global_runs, options.first_seed)
+        plan = plan_for(tables, options.runs, options.global_runs, options.first_seed, tuple(STUDIES))
         plan = replace(plan, thesis_runs=options.thesis_runs, thesis_global_runs=options.thesis_global_runs)
         if options.profile != "both":
             plan = replace(plan, profiles=(options.profile,))

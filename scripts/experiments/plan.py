@@ -79,9 +79,15 @@ class Plan:
 
 
 def plan_for(
-    names: Sequence[str], runs: int | None, global_runs: int | None, first_seed: int = FIRST_SEED
+    names: Sequence[str],
+    runs: int | None,
+    global_runs: int | None,
+    first_seed: int = FIRST_SEED,
+    others: Sequence[str] = (),
 ) -> Plan:
     """The plan of the experiments named: tables, `all`, or `smoke` (one run of one environment).
+
+    others: what else might have been meant by an unknown name.
 
     Raises: SessionError for an unknown name.
     """
@@ -92,7 +98,7 @@ def plan_for(
         elif name in NEEDS:
             tables.append(name)
         else:
-            known = ("all", "smoke", *NEEDS)
+            known = ("all", "smoke", *NEEDS, *others)
             raise SessionError(f"unknown experiment {name!r}{did_you_mean(name, known)} ({', '.join(known)})")
     few, many = (1, 1) if "smoke" in names else (20, 50)
     return Plan(
