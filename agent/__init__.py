@@ -5,12 +5,12 @@ The agent knows its robot only through `tolman.world.robot`; it never sees where
 
 from . import events
 from .agent import Agent, Process, run
+from .arbitration.mediator import Candidate, Decision, Mediator, PriorityMediator
 from .behavior import Behavior, Context, NoConfig, Proposal, Transition
 from .errors import AgentError, BehaviorContractError, ConfigError, UnknownBehaviorError
-from .mediator import Candidate, Decision, Mediator, PriorityMediator
-from .missions import Mission, MissionRunner
-from .path_integration import PathIntegrator
-from .ports import Limits
+from .estimation.odometry import PathIntegrator
+from .handle import Limits
+from .missions.mission import Mission, MissionRunner
 
 __all__ = [
     "Agent",

@@ -10,8 +10,11 @@ from typing import Any, Protocol
 import numpy as np
 
 from ..world.robot import STOP, Image, Percept, Robot, WheelCommand
+from .arbitration.mediator import Candidate, Decision, Mediator, PriorityMediator
 from .behavior import Behavior, Context
+from .containment import Watch, check_command, check_proposal, describe, state_name
 from .errors import AgentError, UnknownBehaviorError
+from .estimation.odometry import PathIntegrator
 from .events import (
     BehaviorFaulted,
     BehaviorFinished,
@@ -20,10 +23,7 @@ from .events import (
     EventBus,
     MediatorFaulted,
 )
-from .guard import Watch, check_command, check_proposal, describe, state_name
-from .mediator import Candidate, Decision, Mediator, PriorityMediator
-from .path_integration import PathIntegrator
-from .ports import Limits, Port
+from .handle import Limits, Port
 
 _log = logging.getLogger(__name__)
 _FAULTS = (Exception, SystemExit)

@@ -10,7 +10,7 @@ from typing import Any
 from ..agent.behavior import Behavior, Context, Proposal, Transition
 from ..agent.maneuvers import AlignToWall
 from ..agent.motion import spin_command
-from ..agent.surroundings import SideView
+from ..agent.perception.side_view import SideView
 from ..world.robot import STOP, Percept
 
 

@@ -10,7 +10,7 @@ from typing import Any
 from ..agent.behavior import Behavior, Context, Proposal, Transition
 from ..agent.maneuvers import Dock
 from ..agent.motion import drive_command, is_free, obstacles, spin_command
-from ..agent.surroundings import SideView
+from ..agent.perception.side_view import SideView
 from ..world.robot import CONTROL_PERIOD, STOP, Percept, Pose, wrap_angle
 
 

@@ -7,7 +7,7 @@ from enum import Enum
 from typing import Any
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
-from ..agent.boundary import BEND, BLUNT
+from ..agent.boundary.trace import BEND, BLUNT
 from ..agent.events import CornerReached, Event, NodePassed
 from ..agent.goals import Follow, FollowFrom, GoAlong, Leg, LegDriven
 from ..agent.motion import spin_command

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
+from ..agent.estimation.landmarks import LOOKOUT, ROCK, ROUND, LocalFix
+from ..agent.estimation.local_filter import LocalPose
+from ..agent.exploration.panoramas import QUARTER, PanoramaSamples, view_order
+from ..agent.exploration.rigid_graph import Cell, RigidGraph
 from ..agent.goals import ExploreLocally, LocalSamples
-from ..agent.local_fix import LOOKOUT, ROCK, ROUND, LocalFix
-from ..agent.local_pose import LocalPose
 from ..agent.motion import drive_command, is_free, obstacles, shy_turn, spin_command
-from ..agent.panoramas import QUARTER, PanoramaSamples, view_order
-from ..agent.rigid_graph import Cell, RigidGraph
 from ..world.robot import STOP, Image, Percept, RobotGeometry, WheelCommand, wrap_angle
 
 _PATIENCE = 12

@@ -8,10 +8,10 @@ from enum import Enum
 from typing import Any
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
+from ..agent.estimation.landmarks import ROCK, LocalFix
+from ..agent.estimation.local_filter import LocalPose
 from ..agent.goals import GoThrough, PlacesDriven
-from ..agent.local_fix import ROCK, LocalFix
 from ..agent.local_goals import GoByWalls, PlacesByWalls
-from ..agent.local_pose import LocalPose
 from ..agent.motion import drive_command, is_free, obstacles, shy_turn, spin_command
 from ..world.robot import STOP, Percept, Pose, RobotGeometry, WheelCommand, wrap_angle
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
-from ..agent.infrared import raw_value
+from ..agent.perception.infrared import raw_value
 from ..world.robot import (
     LEFT_DIAGONAL,
     LEFT_FRONT,

@@ -15,7 +15,7 @@ from ..agent.behavior import Behavior, Context, Proposal, Transition
 from ..agent.events import CornerReached, Event
 from ..agent.goals import Follow, FollowFrom, ReturnToCorner
 from ..agent.motion import drive_command, is_free, obstacles, spin_command
-from ..agent.surroundings import SideView, WallFilter
+from ..agent.perception.side_view import SideView, WallFilter
 from ..world.robot import STOP, Percept, WheelCommand
 from .wall_following import WallFollowing
 

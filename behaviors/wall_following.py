@@ -13,12 +13,12 @@ from enum import Enum
 from typing import Any
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
-from ..agent.boundary import BEND
+from ..agent.boundary.trace import BEND
 from ..agent.events import CornerReached, Event, WallMet
 from ..agent.goals import Follow, FollowFrom
 from ..agent.motion import drive_command, is_free, obstacles, spin_command
-from ..agent.side_wall import SideWall
-from ..agent.surroundings import SideView, WallCourse
+from ..agent.perception.side_view import SideView, WallCourse
+from ..agent.perception.wall_filter import SideWall
 from ..world.robot import STOP, Percept, WheelCommand, wrap_angle
 
 _PARALLEL = 5

@@ -13,9 +13,10 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from tolman.scripts.offset_loop import boundary_loops, offset
 from tolman.world import CONTROL_PERIOD, EPUCK, PRESETS, built_in_world
 from tolman.world.starts import BESIDE
+
+from tools.offset_loop import boundary_loops, offset
 
 Floats = NDArray[np.float64]
 PUBLISHED = {"env1": 61.0, "env2": 84.0, "env3": 91.0}

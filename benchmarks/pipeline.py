@@ -12,9 +12,9 @@ from typing import Any
 from tolman.agent import Agent
 from tolman.maps.hybrid_map import HybridMap
 from tolman.maps.meta import MapMeta
-from tolman.scripts.profiles import find_profile, make_mapper
-from tolman.scripts.requests import MapRequest
-from tolman.scripts.wiring import make_agent
+from tolman.scripts.session.assembly import make_agent
+from tolman.scripts.session.profiles import find_profile, make_mapper
+from tolman.scripts.session.requests import MapRequest
 from tolman.world import Pose, WorldSpec, open_world
 from tolman.world.spec import Box, Start, room_walls
 

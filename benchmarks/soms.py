@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from tolman.maps.local_map import LocalMap
-from tolman.maps.schedules import METRIC_1, METRIC_2, PERCEPTUAL_1, PERCEPTUAL_2, OnlineConfig
-from tolman.maps.som import SOM
+from tolman.maps.local.local_map import LocalMap
+from tolman.maps.som.schedules import METRIC_1, METRIC_2, PERCEPTUAL_1, PERCEPTUAL_2, OnlineConfig
+from tolman.maps.som.som import SOM
 
 from .figures import Figure
 from .figures import median_seconds as median_of

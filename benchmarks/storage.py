@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 from tolman.maps.hybrid_map import HybridMap
-from tolman.maps.local_map import LocalMap
-from tolman.maps.map_file import MapFile
+from tolman.maps.local.local_map import LocalMap
+from tolman.maps.storage.map_file import MapFile
 
 from .figures import Figure, median_seconds
 

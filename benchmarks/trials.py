@@ -13,7 +13,8 @@ import time
 from tolman.agent.behavior import Behavior
 from tolman.plugins.check import example_goal, percepts
 from tolman.plugins.testing import Trial
-from tolman.scripts.draw_behaviors import built_in
+
+from tools.draw_behaviors import built_in
 
 MOST = 0.050
 """Seconds that the isolated test of a behavior may take."""

@@ -1,7 +1,5 @@
 """Self-organizing maps, local maps, the hybrid graph and its storage."""
 
-from .checking import Validation, recover, validate
-from .comparing import Comparison, compare
 from .errors import (
     MapError,
     MapFileDamagedError,
@@ -14,17 +12,19 @@ from .errors import (
     NotTrainedError,
     UnknownNodeError,
 )
-from .exporting import export
+from .formats.exporting import export
+from .formats.json_map import read_json
 from .hybrid_map import Arc, HybridMap
-from .json_map import read_json
-from .local_map import LocalEstimate, LocalMap
-from .local_training import LocalMapConfig
-from .map_file import MapFile, Truth, read_truth
-from .merging import merge
+from .local.local_map import LocalEstimate, LocalMap
+from .local.training import LocalMapConfig
+from .matching.comparing import Comparison, compare
+from .matching.merging import merge
 from .meta import MapMeta
-from .migrating import migrate
-from .schedules import BatchConfig, OnlineConfig
-from .som import SOM
+from .som.schedules import BatchConfig, OnlineConfig
+from .som.som import SOM
+from .storage.map_file import MapFile, Truth, read_truth
+from .storage.migration import migrate
+from .storage.validation import Validation, recover, validate
 
 __all__ = [
     "SOM",

@@ -12,10 +12,10 @@ from typing import Any, Literal
 import networkx as nx
 
 from .errors import MapError, NoPathError, UnknownNodeError, some
-from .local_map import LocalMap
+from .local.local_map import LocalMap
 from .meta import MapMeta
 from .planning import shortest_path
-from .storage import CORNERS, KINDS, read_file, write_file
+from .storage.store import CORNERS, KINDS, read_file, write_file
 
 _NUMBERED = re.compile(r"n?\d+")
 

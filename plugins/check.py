@@ -16,13 +16,13 @@ import numpy as np
 
 from ..agent.agent import Agent
 from ..agent.behavior import Behavior, check_declarations
+from ..agent.containment import check_proposal, describe
 from ..agent.events import BehaviorFaulted, Event
 from ..agent.goals import ExploreLocally, Follow, FollowFrom, GoAlong, GoThrough, Leg, ReturnToCorner
-from ..agent.guard import check_proposal, describe
-from ..agent.ports import Limits
+from ..agent.handle import Limits
 from ..world.robot import EPUCK, Percept
 from .diagram import edges
-from .testing import FAR, ScriptedRobot, Trial, percept
+from .testing.trial import FAR, ScriptedRobot, Trial, percept
 
 _EXAMPLES: dict[str, Any] = {
     "go-to-node": GoAlong((Leg(0, 1, "right", 0.3, "concave", 0.0, FollowFrom.WALL),)),

@@ -20,18 +20,12 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from ..agent.arbitration.mediator import Mediator
 from ..agent.behavior import Behavior, check_declarations
+from ..agent.containment import describe
 from ..agent.errors import AgentError, ConfigError
-from ..agent.guard import describe
-from ..agent.mediator import Mediator
-from .errors import (
-    BrokenPluginError,
-    DuplicatePluginError,
-    IsolationError,
-    PluginError,
-    UnknownPluginError,
-)
-from .isolation import Subprocess, describe_file, isolated_class
+from .errors import BrokenPluginError, DuplicatePluginError, IsolationError, PluginError, UnknownPluginError
+from .isolation.proxy import Subprocess, describe_file, isolated_class
 
 BEHAVIORS = "tolman.behaviors"
 MEDIATORS = "tolman.mediators"

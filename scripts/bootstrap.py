@@ -57,7 +57,7 @@ TARGETS = {
             ["-m", "benchmarks.maps"],
         ],
     ),
-    "torture": ("", [["-m", "tolman.scripts.torture.worlds"], ["-m", "tolman.scripts.torture", "all"]]),
+    "torture": ("", [["-m", "tools.torture.worlds"], ["-m", "tools.torture", "all"]]),
     "format": ("dev", [["-m", "ruff", "check", "--fix", "."], ["-m", "ruff", "format", "."]]),
 }
 """Target -> (the extra of pyproject.toml it needs, the arguments of each Python process to run in turn)."""

@@ -5,7 +5,7 @@ import shlex
 from pathlib import Path
 
 import pytest
-from tolman.scripts import cli
+from tolman.scripts.cli import program as cli
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]

@@ -1,6 +1,6 @@
 """The robot and its surroundings: worlds as data, simulated with DART or kinematically."""
 
-from .arenas import built_in_world, built_in_worlds, find_world
+from .arenas.catalog import built_in_world, built_in_worlds, find_world
 from .base import (
     EngineMissingError,
     PlacementError,
@@ -12,9 +12,9 @@ from .base import (
     WorldWarning,
 )
 from .factory import open_world
-from .noise import PRESETS, Noise
+from .noise.model import PRESETS, Noise
 from .robot import CONTROL_PERIOD, EPUCK, EPUCK2, Image, Percept, Pose, Robot, RobotGeometry, WheelCommand
-from .sensing import Sensing, Timing
+from .sensors.sensing import Sensing, Timing
 from .spec import WorldSpec
 
 __all__ = [

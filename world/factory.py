@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from .arenas import find_world
+from .arenas.catalog import find_world
 from .base import World, WorldError
-from .kinematic import KinematicWorld
-from .noise import Noise, resolve_noise
+from .noise.model import Noise, resolve_noise
+from .physics.kinematic import KinematicWorld
 from .robot import EPUCK, Pose, RobotGeometry
-from .sensing import Sensing, resolve_sensing
+from .sensors.sensing import Sensing, resolve_sensing
 from .spec import WorldSpec
 
 MODELS = ("wheels", "planar")
@@ -59,7 +59,7 @@ def open_world(
         return KinematicWorld(spec, starts, seed=seed, **options)
     if engine != "dart":
         raise WorldError(f"unknown engine {engine!r}; known: {', '.join(ENGINES)}")
-    from .dart import DartWorld  # here, so that who does not simulate physics needs no DART
+    from .physics.dart import DartWorld  # here, so that who does not simulate physics needs no DART
 
     return DartWorld(spec, starts, model=model, seed=seed, **options)
 

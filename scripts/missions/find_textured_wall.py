@@ -3,7 +3,7 @@
 tolman run scripts/missions/find_textured_wall.py --world env1-textured
 """
 
-from tolman.agent.mission_steps import Explore, Fail, GoTo, Look, Nodes, OnFailure, Save, Say
+from tolman.agent.missions.steps import Explore, Fail, GoTo, Look, Nodes, OnFailure, Save, Say
 
 STEP, STEPS = 0.08, 5
 """So many steps of luminance along a row make a texture; plain walls meet in at most three edges."""

@@ -4,7 +4,7 @@ tolman run scripts/missions/patrol.py --map m.tolman
 """
 
 from tolman.agent.errors import StepFailedError
-from tolman.agent.mission_steps import GoTo, Nodes, Repeat, Say
+from tolman.agent.missions.steps import GoTo, Nodes, Repeat, Say
 
 
 def mission():

@@ -3,7 +3,7 @@
 tolman run scripts/missions/two_robots.py --world scripts/missions/two_robots_world.yaml
 """
 
-from tolman.agent.mission_steps import As, Explore, GoTo, Load, Nodes, Place, Save, Say, Together
+from tolman.agent.missions.steps import As, Explore, GoTo, Load, Nodes, Place, Save, Say, Together
 
 
 def mission():

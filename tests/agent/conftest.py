@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable
 
 import pytest
-from tolman.agent.infrared import raw_value
+from tolman.agent.perception.infrared import raw_value
 from tolman.world.robot import EPUCK, Percept
 
 Wall = tuple[float, float]

@@ -20,7 +20,7 @@ from tolman.agent.events import (
     Lost,
     MediatorFaulted,
 )
-from tolman.agent.ports import Limits
+from tolman.agent.handle import Limits
 from tolman.plugins.testing import ScriptedRobot, assert_event_order, event_of
 from tolman.world.robot import STOP, Percept, WheelCommand
 

@@ -1,7 +1,8 @@
 from __future__ import annotations
 
 import pytest
-from tolman.scripts.soak_faults import KINDS, soak
+
+from tools.soak_faults import KINDS, soak
 
 
 @pytest.mark.slow

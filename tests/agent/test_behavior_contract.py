@@ -5,14 +5,7 @@ from enum import Enum
 from typing import Any, ClassVar
 
 import pytest
-from tolman.agent import (
-    Behavior,
-    BehaviorContractError,
-    ConfigError,
-    Context,
-    Proposal,
-    Transition,
-)
+from tolman.agent import Behavior, BehaviorContractError, ConfigError, Context, Proposal, Transition
 from tolman.world.robot import STOP, Percept
 
 

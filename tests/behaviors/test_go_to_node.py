@@ -9,7 +9,6 @@ from tolman.agent import Agent
 from tolman.agent.events import BehaviorFinished, Event, NodePassed
 from tolman.agent.goals import FollowFrom, GoAlong, Leg
 from tolman.behaviors.go_to_node import Going, GoToNode
-from tolman.plugins.strategies import percept_runs
 from tolman.plugins.testing import (
     Trial,
     assert_in_place,
@@ -19,6 +18,7 @@ from tolman.plugins.testing import (
     event_of,
     percept,
 )
+from tolman.plugins.testing.strategies import percept_runs
 from tolman.world import open_world
 from tolman.world.robot import EPUCK, Percept, Pose, wrap_angle
 

@@ -10,8 +10,8 @@ from tolman.agent.events import BehaviorFinished, Event
 from tolman.agent.goals import ExploreLocally, LocalSamples
 from tolman.agent.local_goals import walls_at
 from tolman.behaviors.local_exploration import Exploring, LocalExploration
-from tolman.plugins.strategies import percept_runs
 from tolman.plugins.testing import Trial, assert_valid, event_of, percept
+from tolman.plugins.testing.strategies import percept_runs
 from tolman.world import open_world
 from tolman.world.robot import Image, Percept, Pose
 

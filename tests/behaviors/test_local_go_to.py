@@ -6,13 +6,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tolman.agent import Agent
+from tolman.agent.estimation.local_filter import LocalPose
 from tolman.agent.events import BehaviorFinished
 from tolman.agent.goals import GoThrough, PlacesDriven
 from tolman.agent.local_goals import GoByWalls, walls_at
-from tolman.agent.local_pose import LocalPose
 from tolman.behaviors.local_go_to import LocalGoing, LocalGoTo
-from tolman.plugins.strategies import percept_runs
 from tolman.plugins.testing import Trial, assert_states, assert_valid, percept
+from tolman.plugins.testing.strategies import percept_runs
 from tolman.world import open_world
 from tolman.world.robot import Percept, Pose, wrap_angle
 

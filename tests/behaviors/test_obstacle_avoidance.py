@@ -5,7 +5,7 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tolman.agent.infrared import raw_value
+from tolman.agent.perception.infrared import raw_value
 from tolman.behaviors.obstacle_avoidance import ObstacleAvoidance
 from tolman.plugins.testing import Trial, assert_in_place, assert_states, assert_turns, percept
 from tolman.world.robot import EPUCK, Percept

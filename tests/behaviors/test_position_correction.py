@@ -8,8 +8,8 @@ from tolman.agent import Agent
 from tolman.agent.events import BehaviorFinished, CornerReached, Event
 from tolman.agent.goals import ReturnToCorner
 from tolman.behaviors.position_correction import Correcting, PositionCorrection
-from tolman.plugins.strategies import percept_runs
 from tolman.plugins.testing import Trial, assert_in_place, assert_valid, event_of, percept
+from tolman.plugins.testing.strategies import percept_runs
 from tolman.world import open_world
 from tolman.world.robot import EPUCK, Percept, Pose, wrap_angle
 

@@ -10,7 +10,6 @@ from tolman.agent import Agent
 from tolman.agent.events import CornerReached, Event, WallMet
 from tolman.agent.goals import Follow, FollowFrom
 from tolman.behaviors.wall_following import Following, WallFollowing
-from tolman.plugins.strategies import percept_runs
 from tolman.plugins.testing import (
     Trial,
     assert_drives_forward,
@@ -22,6 +21,7 @@ from tolman.plugins.testing import (
     assert_valid,
     percept,
 )
+from tolman.plugins.testing.strategies import percept_runs
 from tolman.world import open_world
 from tolman.world.base import World
 from tolman.world.robot import EPUCK, Percept, Pose, wrap_angle

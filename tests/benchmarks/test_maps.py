@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tolman.maps.local_map import LocalMap
+from tolman.maps.local.local_map import LocalMap
 from tolman.world.spec import Wall
 
 from benchmarks.figures import Figure, report

@@ -4,9 +4,10 @@ import re
 from pathlib import Path
 
 import pytest
-from tolman.agent.mission_dry_run import dry_run
-from tolman.agent.missions import Mission
-from tolman.scripts.draw_behaviors import page
+from tolman.agent.missions.dry_run import dry_run
+from tolman.agent.missions.mission import Mission
+
+from tools.draw_behaviors import page
 
 DOCS = Path(__file__).parents[2] / "docs"
 PYTHON = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -30,7 +31,7 @@ def test_the_two_missions_of_the_docs_say_the_same(tmp_path: Path) -> None:
 
 
 def test_every_step_is_in_the_docs() -> None:
-    from tolman.agent import mission_steps
+    from tolman.agent.missions import steps as mission_steps
 
     text = (DOCS / "missions.md").read_text()
     steps = [name for name, value in vars(mission_steps).items() if isinstance(value, type)]
@@ -39,6 +40,4 @@ def test_every_step_is_in_the_docs() -> None:
 
 
 def test_the_page_of_behaviors_is_what_their_classes_say() -> None:
-    assert (DOCS / "behaviors.md").read_text() == page(), (
-        "python -m tolman.scripts.draw_behaviors docs/behaviors.md"
-    )
+    assert (DOCS / "behaviors.md").read_text() == page(), "python -m tools.draw_behaviors docs/behaviors.md"

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import pytest
-from tolman.scripts.experiments.campaign import Job, Result, run_campaign
+from tolman.scripts.experiments.campaign.campaign import Job, Result, run_campaign
 
 JOBS = [Job({"seed": seed}) for seed in range(4)]
 Drive = Callable[[Mapping[str, Any]], dict[str, Any]]

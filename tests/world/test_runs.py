@@ -191,7 +191,7 @@ def test_commands_are_clamped_to_the_robots_top_speed() -> None:
 
 
 def test_a_robot_that_tips_ends_the_run_with_an_error() -> None:
-    from tolman.world.dart import DartWorld
+    from tolman.world.physics.dart import DartWorld
 
     world = open_world("env1", noise="none")
     assert isinstance(world, DartWorld)
@@ -203,7 +203,7 @@ def test_a_robot_that_tips_ends_the_run_with_an_error() -> None:
 
 
 def test_a_robot_that_is_nowhere_ends_the_run_with_an_error() -> None:
-    from tolman.world.dart import DartWorld
+    from tolman.world.physics.dart import DartWorld
 
     world = open_world("env1", noise="none")
     assert isinstance(world, DartWorld)
@@ -223,7 +223,7 @@ def test_a_closed_world_does_not_step(options: dict[str, Any]) -> None:
 
 
 def test_only_the_shapes_near_a_body_are_in_the_physics() -> None:
-    from tolman.world.dart import DartWorld
+    from tolman.world.physics.dart import DartWorld
 
     boxes = tuple(Box(0.4 * i, 0.4 * j, 0.1, 0.1) for i in range(30) for j in range(30))
     world = open_world(WorldSpec("many", boxes), noise="none", start=Pose(0.2, 0.11, 0.0))
@@ -262,7 +262,7 @@ def test_importing_the_package_loads_no_engine() -> None:
     ],
 )
 def test_an_engine_that_cannot_be_loaded_says_what_to_install(problem: str, hint: str) -> None:
-    from tolman.world._dart import explain
+    from tolman.world.physics._dart import explain
 
     assert hint in explain(problem)
     assert "\n" not in explain(problem)

@@ -11,16 +11,16 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from tolman.maps.local_training import DEFAULT
-from tolman.scripts.cli import execute
-from tolman.scripts.experiments import mapping, probes, traversal
-from tolman.scripts.experiments.campaign import Progress
-from tolman.scripts.experiments.figures import draw_figures
-from tolman.scripts.experiments.mapping import map_path, mapping_job, run_mapping
-from tolman.scripts.experiments.plan import GLOBAL, NEEDS, Plan, run_plan
-from tolman.scripts.experiments.running import Running
-from tolman.scripts.experiments.traversal import run_traversal, traversal_job
-from tolman.scripts.experiments.version import code_version
+from tolman.maps.local.training import DEFAULT
+from tolman.scripts.cli.program import execute
+from tolman.scripts.experiments.campaign.campaign import Progress
+from tolman.scripts.experiments.campaign.plan import GLOBAL, NEEDS, Plan, run_plan
+from tolman.scripts.experiments.campaign.running import Running
+from tolman.scripts.experiments.campaign.version import code_version
+from tolman.scripts.experiments.report.figures import draw_figures
+from tolman.scripts.experiments.runs import mapping, probes, traversal
+from tolman.scripts.experiments.runs.mapping import map_path, mapping_job, run_mapping
+from tolman.scripts.experiments.runs.traversal import run_traversal, traversal_job
 
 PLAN = Plan(("table-4.3",), 1, 1, 3, ("env1",), ("default", "thesis"))
 

@@ -5,16 +5,16 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tolman.scripts.cli import execute
-from tolman.scripts.cli_output import plain
-from tolman.scripts.experiments.ablation import ABLATION, OF_LOCAL_MAPS, OF_THE_BOUNDARY
-from tolman.scripts.experiments.campaign import Job, Result
-from tolman.scripts.experiments.page import STUDIES
-from tolman.scripts.experiments.scores import SCORES, Runs, closing, kept
-from tolman.scripts.experiments.study import Asked, Study, run_study
-from tolman.scripts.experiments.variants import VARIANTS, worlds
-from tolman.scripts.experiments.version import code_version, imported_scripts
-from tolman.scripts.profiles import REMEDIES, find_profile
+from tolman.scripts.cli.output import plain
+from tolman.scripts.cli.program import execute
+from tolman.scripts.experiments.campaign.campaign import Job, Result
+from tolman.scripts.experiments.campaign.version import code_version, imported_scripts
+from tolman.scripts.experiments.report.page import STUDIES
+from tolman.scripts.experiments.report.scores import SCORES, Runs, closing, kept
+from tolman.scripts.experiments.studies.ablation import ABLATION, OF_LOCAL_MAPS, OF_THE_BOUNDARY
+from tolman.scripts.experiments.studies.study import Asked, Study, run_study
+from tolman.scripts.experiments.studies.variants import VARIANTS, worlds
+from tolman.scripts.session.profiles import REMEDIES, find_profile
 
 ASKED = Asked(runs=2, environments=("env1",))
 
@@ -146,12 +146,18 @@ def test_a_later_stage_sees_the_results_of_the_earlier(tmp_path: Any) -> None:
 
 
 def test_the_layout_of_the_report_is_no_part_of_what_results_depend_on() -> None:
-    for script in ("experiments.mapping", "experiments.traversal"):
+    for script in ("experiments.runs.mapping", "experiments.runs.traversal"):
         parts = imported_scripts(script)
-        assert {"mapping_run", "profiles", "wiring", "truth", "experiments.probes"} <= parts
+        assert {
+            "session.mapping_run",
+            "session.profiles",
+            "session.assembly",
+            "session.truth",
+            "experiments.runs.probes",
+        } <= parts
         assert not parts & {f"experiments.{name}" for name in ("report", "tables", "figures", "campaign")}
-    assert "experiments.traversal" not in imported_scripts("experiments.mapping")
-    assert code_version() != code_version("experiments.traversal")
+    assert "experiments.runs.traversal" not in imported_scripts("experiments.runs.mapping")
+    assert code_version() != code_version("experiments.runs.traversal")
 
 
 def test_a_study_of_profile_thesis_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

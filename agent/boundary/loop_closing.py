@@ -1,0 +1,194 @@
+"""One boundary while it is being mapped: which corners are nodes, and when it has come round.
+
+A corner that may be an earlier one is not made a node: the corners after it must agree with those that
+followed then. Several corners may be the one at which the loop closes; each is pursued until the corners
+after it speak against it. `Circuit` keeps what is undecided, so that a mapper only acts on what is certain. A
+boundary that stands apart from the first has a circuit of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from enum import Enum
+from itertools import pairwise
+from typing import Any
+
+from ..events import CornerReached
+from .trace import BEND, WEAK, BoundaryTrace, ClosingConfig, Corner, Way
+
+
+class Finding(Enum):
+    """What the corner at hand is."""
+
+    NEW = "new"
+    MAYBE_KNOWN = "maybe known"
+    CLOSED = "closed"
+
+
+@dataclass(frozen=True, slots=True)
+class Met:
+    """A corner met: its index in the trace, the event that told of it, and the earlier corner it seems."""
+
+    index: int
+    event: CornerReached
+    known: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """finding: what the corner at hand is. rejected: corners taken for known ones that are new after all."""
+
+    finding: Finding
+    rejected: tuple[Met, ...] = ()
+
+
+@dataclass(slots=True)
+class Trail:
+    """Corners met that seem to be earlier ones, from the one at which the loop would have closed.
+
+    past: how far (m) that one lies beyond the node it is taken for; bends are not met at the same place.
+    """
+
+    mets: list[Met]
+    past: float = 0.0
+
+    @property
+    def agreed(self) -> int:
+        """How many corners after the first were known."""
+        return sum(met.known is not None for met in self.mets) - 1
+
+
+class Circuit:
+    """Follows one boundary corner by corner, until it has come round.
+
+    trace: its shape. node_of: index in the trace -> node of the map, filled in by the mapper. closing: how
+    the loop closes, once it has.
+    """
+
+    def __init__(self, config: ClosingConfig) -> None:
+        """Starts with no corner."""
+        self.config = config
+        self.trace = BoundaryTrace(config)
+        self.node_of: dict[int, int] = {}
+        self.closing: Trail | None = None
+        self._trails: list[Trail] = []
+        self._undecided: list[Met] = []
+
+    def reach(self, event: CornerReached, way: Way | None = None, bends: bool = True) -> Judgement:
+        """Takes the next corner, and the way to it if that is not straight.
+
+        bends: whether path integration is good enough to tell the bends of a wall without corners apart.
+        """
+        met = Met(self.trace.reach(event.kind, event.path_length, way), event)
+        self._undecided.append(met)
+        self._trails = [trail for trail in self._trails if self._leads_on(trail, met)]
+        candidate = self.trace.candidate(bends)
+        if candidate is not None and self._is_place(candidate):
+            self._trails.append(Trail([replace(met, known=candidate)], self.trace.past(candidate)))
+        if not self._trails:
+            new, self._undecided = tuple(self._undecided[:-1]), []
+            return Judgement(Finding.NEW, new)
+        first = self._trails[0]
+        new = tuple(each for each in self._undecided if each.index < first.mets[0].index)
+        self._undecided = self._undecided[len(new) :]
+        if first.agreed < self.config.confirmations:
+            return Judgement(Finding.MAYBE_KNOWN, new)
+        self.closing = first
+        return Judgement(Finding.CLOSED, new)
+
+    def _is_place(self, index: int) -> bool:
+        """Whether corner `index` is a node, or becomes one unless the loop closes before."""
+        return index in self.node_of or any(index == each.index for each in self._undecided)
+
+    def _leads_on(self, trail: Trail, met: Met) -> bool:
+        """Whether a trail may be right with this corner too, which it then has."""
+        *_, last = (each for each in trail.mets if each.known is not None)
+        assert last.known is not None
+        event = met.event
+        length = event.path_length + sum(e.event.path_length for e in trail.mets if e.index > last.index)
+        if last is trail.mets[0]:
+            length += trail.past
+        known = self.trace.onward(last.known, event.kind, length)
+        trail.mets.append(replace(met, known=known))
+        corners = self.trace.corners[trail.mets[0].known or 0].kind != BEND
+        return known is not None or _may_be_missed(event, corners)
+
+    # --- once it has closed ----------------------------------------------------------------------------
+
+    def _closed(self) -> Trail:
+        if self.closing is None:
+            raise RuntimeError("the loop has not closed yet")
+        return self.closing
+
+    @property
+    def candidate(self) -> int:
+        """The corner at which the loop has closed, as it was met first."""
+        return self._closed().mets[0].known or 0
+
+    @property
+    def closing_length(self) -> float:
+        """Meters from the corner before the one at which the loop has closed, to that one as it was first."""
+        closing = self._closed()
+        return closing.mets[0].event.path_length - closing.past
+
+    def driven_again(self) -> list[tuple[int, int, float]]:
+        """Arcs driven once more while the closing was confirmed: node, node, m."""
+        again = []
+        for before, met in pairwise(self._closed().mets):
+            bent = BEND in (before.event.kind, met.event.kind)
+            if before.known is None or met.known != before.known + 1 or bent:
+                continue
+            if before.known in self.node_of and met.known in self.node_of:
+                nodes = self.node_of[before.known], self.node_of[met.known]
+                again.append((*nodes, met.event.path_length))
+        return again
+
+    @property
+    def here(self) -> int:
+        """The node of the last corner met."""
+        mets = self._closed().mets
+        count = mets[0].index - self.candidate
+        return self.node_of[self.candidate + ((mets[-1].known or 0) - self.candidate) % count]
+
+    def state(self) -> dict[str, Any]:
+        """What has to be kept to go on, as JSON."""
+        return {
+            "corners": [
+                [
+                    each.kind,
+                    each.length,
+                    each.turn,
+                    each.way and [each.way.ahead, each.way.aside, each.way.swing],
+                ]
+                for each in self.trace.corners
+            ],
+            "nodes": sorted(self.node_of.items()),
+            "undecided": [_plain(met) for met in self._undecided],
+            "trails": [[trail.past, [_plain(met) for met in trail.mets]] for trail in self._trails],
+        }
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Goes back to a `state`."""
+        self.trace.corners = [
+            Corner(kind, length, turn, Way(*way[0]) if way and way[0] else None)
+            for kind, length, turn, *way in state["corners"]
+        ]
+        self.node_of = {int(index): int(node) for index, node in state["nodes"]}
+        self._undecided = [_met(*values) for values in state.get("undecided", ())]
+        self._trails = [Trail([_met(*met) for met in mets], past) for past, mets in state.get("trails", ())]
+
+
+def _may_be_missed(event: CornerReached, corners: bool) -> bool:
+    """Whether this corner need not be met every time. corners: whether it is corners that closed the loop."""
+    if event.kind == BEND:
+        return corners
+    return event.kind == "concave" and abs(event.turn) < WEAK
+
+
+def _plain(met: Met) -> list[Any]:
+    return [met.index, asdict(met.event), met.known]
+
+
+def _met(index: int, event: Mapping[str, Any], known: int | None) -> Met:
+    return Met(index, CornerReached(**event), known)

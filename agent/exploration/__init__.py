@@ -1,0 +1,1 @@
+"""What local exploration keeps: panoramas, and the graph of places they were taken from."""

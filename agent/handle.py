@@ -1,0 +1,109 @@
+"""What one behavior gets of the agent: a context of its own, and a way to the bus with limits.
+
+Each behavior has its own context and random generator, so that none can change what another sees, and a
+plugin that draws random numbers changes nobody else's.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..world.robot import Image, RobotGeometry
+from .behavior import Behavior, Context
+from .containment import Watch
+from .errors import EventFloodError, SubscriptionLeakError
+from .events import Event, EventBus, Subscription
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What a behavior may use up before it counts as faulty.
+
+    events: published in one tick. subscriptions: held at once. budget: wall-clock seconds of one `propose`;
+    None turns it off. hang: wall-clock seconds after which Python code is interrupted (main thread, POSIX
+    only); None turns it off. wild: speeds beyond so many times the robot's maximum are a fault, not clamped.
+    """
+
+    events: int = 100
+    subscriptions: int = 50
+    budget: float | None = 0.5
+    hang: float | None = None
+    wild: float = 10.0
+
+
+class Port:
+    """The agent's side of one behavior. A broken limit is raised at once, and kept in `broken`."""
+
+    __slots__ = ("_bus", "_events", "_limits", "_watch", "behavior", "broken", "context", "name")
+
+    def __init__(
+        self,
+        behavior: Behavior,
+        bus: EventBus,
+        limits: Limits,
+        watch: Watch,
+        geometry: RobotGeometry,
+        look: Callable[[], Image],
+        seed: np.random.SeedSequence,
+    ) -> None:
+        """seed: the agent's; the behavior's own is derived from it and the name."""
+        self.behavior = behavior
+        self.name = behavior.name
+        self.broken: Exception | None = None
+        self._bus, self._limits, self._watch, self._events = bus, limits, watch, 0
+        self.context = Context(
+            geometry=geometry,
+            publish=self.publish,
+            look=look,
+            rng=np.random.default_rng(_own_seed(seed, behavior.name)),
+            subscribe=self.subscribe,
+        )
+
+    def renew(self, source: Context, in_control: bool) -> Context:
+        """The behavior's context with this tick's values; called once a tick before `propose`."""
+        own = self.context
+        own.time, own.pose, own.in_control = source.time, source.pose, in_control
+        own.distance, own.turn = source.distance, source.turn
+        self._events = 0
+        return own
+
+    def publish(self, event: Event) -> bool:
+        """Queues an event. Raises: EventFloodError beyond the limit, TypeError for what is no event."""
+        if not isinstance(event, Event):
+            raise TypeError(f"only events can be published, not {type(event).__name__}")
+        self._events += 1
+        if self._events > self._limits.events:
+            self.broken = EventFloodError(f"more than {self._limits.events} events in one tick")
+            raise self.broken
+        return self._bus.publish(event)
+
+    def subscribe(self, event_type: type[Any], handler: Callable[[Any], None]) -> Subscription:
+        """Subscribes in the behavior's name until it stops. Raises: SubscriptionLeakError."""
+        if len(self._bus.subscriptions(self.name)) >= self._limits.subscriptions:
+            self.broken = SubscriptionLeakError(
+                f"more than {self._limits.subscriptions} subscriptions held; cancel what is not needed"
+            )
+            raise self.broken
+
+        def watched(event: Any) -> None:
+            with self._watch:
+                handler(event)
+
+        return self._bus.subscribe(event_type, watched, owner=self.name)
+
+    def release(self) -> None:
+        """Ends all subscriptions made in the behavior's name and forgets what it broke."""
+        for subscription in self._bus.subscriptions(self.name):
+            subscription.cancel()
+        self.broken = None
+
+
+def _own_seed(seed: np.random.SeedSequence, name: str) -> np.random.SeedSequence:
+    return np.random.SeedSequence(
+        entropy=seed.entropy, spawn_key=(*seed.spawn_key, zlib.crc32(name.encode()))
+    )

@@ -1,0 +1,491 @@
+"""Mapping of all walls of a room: first the boundary the robot stands at, then islands, found by forays.
+
+    map the boundary -> drive a line across what it encloses -> a known wall? then the next line
+                                                             -> another? an island: map it, link it ...
+
+The outer boundary, once closed, is a polygon in the map frame. Parallel lines over its inside are driven one
+after the other, each from a place that is reached by the arcs of the map. Path integration starts afresh
+from the wall that a line leaves, so that its end is known well enough to tell a known wall from a new one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, replace
+from enum import Enum
+from typing import TYPE_CHECKING, Any
+
+from ...maps.layout import PLACE
+from ...world.robot import Percept, Pose, wrap_angle
+from ..boundary.trace import BEND
+from ..events import CornerReached, Localized, LoopClosed, Lost, NodePassed, NodeReached
+from ..goals import Crossing, Follow, FollowFrom
+from ..localization.localizer import Localizer
+from ..mapping.corners import Phase
+from ..navigation.corners import ONWARD, Navigator
+from ..navigation.crossing import ForayDrive, Stage
+from .coverage import ScoutConfig, Scouting, node_at, nodes_near, pose_at
+from .links import ArcKey, arcs_into, is_same, leads, link_islands, take_back, unproven_link
+from .outlines import Chord, Outline, outline_from
+
+if TYPE_CHECKING:
+    from ...maps.hybrid_map import HybridMap
+    from ..agent import Agent
+    from ..behavior import Context
+    from ..mapping.corners import Mapper
+
+_TRACK_STEP = 0.04
+_ROUND = 2.4 * math.pi
+"""Turned so far (rad) along an obstacle without a corner: it is round."""
+_ASTRAY = 0.25
+"""Meters that path integration may be off on a foray, at most."""
+_FARTHEST = 5.0
+"""Meters across open space until a foray is given up."""
+_LEAVES = 5
+"""How often it sets out from an island without knowing where that leads."""
+_BEHAVIORS = ("wall-following", "local-exploration", "position-correction", "go-to-node", "foray")
+
+
+class Doing(Enum):
+    """What it is about."""
+
+    BOUNDARY = "mapping the boundary"
+    GOING = "driving to where a foray sets out"
+    FORAY = "on a foray"
+    ISLAND = "mapping an island"
+    PROVING = "driving a link again"
+    LOST = "finding out where it is"
+    DONE = "done"
+
+
+class IslandMapper:
+    """Maps a boundary and then the islands within, with a `Mapper` for each.
+
+    make: a mapper that calls what it is given with each node it commits. on_rest: called while the robot
+    stands at a known node, so that all can be saved, with nodes and arcs that were taken back. scouted: why
+    the search for islands ended.
+    """
+
+    def __init__(
+        self,
+        agent: Agent,
+        hybrid_map: HybridMap,
+        make: Callable[[Callable[[int, float], None]], Mapper],
+        on_commit: Callable[[int, float], None] = lambda node, met_at: None,
+        on_rest: Callable[[Sequence[int], Sequence[ArcKey]], None] = lambda nodes, arcs: None,
+        config: ScoutConfig = ScoutConfig(),  # noqa: B008  frozen
+    ) -> None:
+        """Subscribes to the agent's events and watches its ticks."""
+        self.agent, self.map, self.config = agent, hybrid_map, config
+        self.reason = ""
+        self.scouted = ""
+        self.forays = 0
+        self.islands = 0
+        self._make, self._on_commit, self._on_rest = make, on_commit, on_rest
+        self._doing = Doing.BOUNDARY
+        subscribe = agent.bus.subscribe
+        subscribe(CornerReached, self._on_corner)
+        subscribe(LoopClosed, self._on_closed)
+        subscribe(NodePassed, self._on_passed)
+        subscribe(NodeReached, self._on_reached)
+        subscribe(Localized, self._on_localized)
+        subscribe(Lost, self._on_lost)
+        self.mapper = make(self._commit)
+        self._mismatch = self.mapper.mismatch
+        self.side = self.mapper.config.side
+        self._navigator: Navigator | None = None
+        self._drive = ForayDrive(agent, self.side, self._on_done, self._on_landed)
+        self._scouting: Scouting | None = None
+        self._node = -1
+        self._chord: Chord | None = None
+        self._hit = Pose()
+        self._first: int | None = None
+        self._place: Pose | None = None
+        self._track: list[tuple[float, float]] = []
+        self._turned = 0.0
+        self._corner: CornerReached | None = None
+        self._anchored = 0.0
+        self._finding = False
+        self._leaves = 0
+        self._maybe: set[int] = set()
+        self._gone: tuple[list[int], list[ArcKey]] = ([], [])
+        agent.processes.append(self)
+
+    # --- what a run needs -----------------------------------------------------------------------------
+
+    @property
+    def current(self) -> int:
+        """The node the robot is at, or met last; -1 if it does not know."""
+        return self.mapper.current if self._doing in (Doing.BOUNDARY, Doing.ISLAND) else self._node
+
+    @property
+    def done(self) -> bool:
+        """Whether everything has ended; `reason` says why."""
+        return bool(self.reason)
+
+    def begin(self) -> None:
+        """Starts with the wall nearest ahead."""
+        self.mapper.begin()
+
+    def drive_on(self) -> None:
+        """Goes on after `restore`."""
+        if self._doing in (Doing.BOUNDARY, Doing.ISLAND):
+            self.mapper.drive_on()
+        elif self._node < 0:
+            self._end("loop closed", "lost on a foray")
+        else:
+            self._choose()
+
+    def stop(self, reason: str) -> None:
+        """Ends it where it is."""
+        self.mapper.stop(reason)
+        self._drive.release()
+        self._end(reason, "stopped")
+
+    def state(self) -> dict[str, Any]:
+        """What a resumed mapping needs, as JSON; to be taken in `on_commit` and `on_rest`."""
+        mapping = self._doing in (Doing.BOUNDARY, Doing.ISLAND)
+        return {
+            "doing": self._doing.name,
+            "mapper": self.mapper.state() if mapping else None,
+            "mismatch": [self._mismatch.value, self._mismatch.variance],
+            "scouting": None if self._scouting is None else self._scouting.state(),
+            "node": self._node,
+            "counts": [self.forays, self.islands, self._leaves],
+            "first": self._first,
+            "place": None if self._place is None else asdict(self._place),
+            "maybe": sorted(self._maybe),
+            "heading": self.mapper.heading,
+            "track": [list(point) for point in self._track],
+            "turned": self._turned,
+            "corner": None if self._corner is None else asdict(self._corner),
+            "anchored": self._anchored,
+        }
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Goes back to a `state`; `drive_on` then goes on from there."""
+        self._doing = Doing[state["doing"]]
+        if self._doing is not Doing.BOUNDARY:
+            self.mapper.stop("the boundary is mapped")
+        if self._doing is Doing.ISLAND:
+            self._new_mapper()
+        if state["mapper"] is not None:
+            self.mapper.restore(state["mapper"])
+        self._mismatch.value, self._mismatch.variance = state["mismatch"]
+        self._mismatch.apply(self.agent.odometry)
+        self.mapper.heading = state["heading"]
+        if state["scouting"] is not None:
+            self._scouting = Scouting.restored(state["scouting"], self.config)
+        self._node = int(state["node"])
+        self.forays, self.islands, self._leaves = state["counts"]
+        self._first = state["first"]
+        self._place = None if state["place"] is None else Pose(**state["place"])
+        self._maybe = set(state["maybe"])
+        self._track = [(x, y) for x, y in state["track"]]
+        self._turned = state["turned"]
+        self._corner = None if state["corner"] is None else CornerReached(**state["corner"])
+        self._anchored = state["anchored"]
+
+    def update(self, percept: Percept, context: Context) -> None:
+        """Watches for what has no event: a mapping given up, an island without corners."""
+        if self._doing is Doing.BOUNDARY and self.mapper.done and self.mapper.reason != "loop closed":
+            self._end(self.mapper.reason, "the boundary was not closed")
+        if self._doing is Doing.FORAY and self._drive.stage is Stage.JOIN:
+            self._turned += context.turn
+            if abs(self._turned) > _ROUND:
+                self._leave_round_wall()
+        if self._doing is not Doing.ISLAND:
+            return
+        pose = context.pose
+        self._turned += context.turn
+        if not self._track or math.dist(self._track[-1], (pose.x, pose.y)) > _TRACK_STEP:
+            self._track.append((pose.x, pose.y))
+        bends = all(corner.kind == BEND for corner in self.mapper.trace.corners)
+        is_round = bends and abs(self._turned) > _ROUND
+        if is_round or (self.mapper.done and self.mapper.reason != "loop closed"):
+            self._give_up_island()
+
+    # --- choosing -------------------------------------------------------------------------------------
+
+    def _on_closed(self, event: LoopClosed) -> None:
+        if self._doing is Doing.BOUNDARY:
+            self._scouting = Scouting.over(self.map, self.config)
+            self._rest(self.mapper.current)
+        elif self._doing is Doing.ISLAND:
+            self._take_island(event.node)
+
+    def _rest(self, node: int) -> None:
+        """Stands at a known node: all can be saved; then on to the next foray."""
+        self._node, self._doing = node, Doing.GOING
+        self._anchor(node)
+        link_islands(self.map, self._known(), self.side)
+        self._save()
+        self._choose()
+
+    def _save(self) -> None:
+        gone, self._gone = self._gone, ([], [])
+        self._on_rest(*gone)
+
+    def _choose(self) -> None:
+        assert self._scouting is not None
+        self._chord = self._scouting.next(self.map, self._node)
+        if self._chord is not None:
+            self._doing = Doing.GOING
+            self._scouting.try_once(self._chord)
+            self._go_to(self._known()[self._chord.start.outline].nodes[self._chord.start.edge])
+            return
+        if self._is_marooned() and self._leaves < _LEAVES:
+            self._leaves += 1
+            self._leave()
+            return
+        link = unproven_link(self.map, self._node)
+        if link is not None:
+            self._doing = Doing.PROVING
+            self._navigator_at(self._node).drive([*self.map.path(self._node, link.start), link])
+            return
+        self._end("loop closed", "all is covered")
+
+    def _is_marooned(self) -> bool:
+        """Whether it is on an island and no foray that is known leads away from it."""
+        outer = self._known()[0].nodes
+        return self._node not in outer and not leads(self.map, self._node, outer[0])
+
+    def _leave_round_wall(self) -> None:
+        """The wall it joined is that of a round obstacle known already: no corner will come."""
+        self._drive.stop()
+        self._finding = False
+        self._leaves += 1
+        if self._leaves > _LEAVES:
+            self._end("loop closed", "no way off a round obstacle")
+        else:
+            self._leave()
+
+    def _leave(self) -> None:
+        """Straight away from the wall at its side, wherever that leads."""
+        self._doing, self._chord = Doing.FORAY, None
+        away = 0.4 * math.pi if self.side == "right" else -0.4 * math.pi
+        self._drive.cross(away, _FARTHEST)
+
+    def _known(self) -> list[Outline]:
+        assert self._scouting is not None
+        return self._scouting.all(self.map)
+
+    def _navigator_at(self, node: int) -> Navigator:
+        if self._navigator is None:
+            self._navigator = Navigator(self.agent, self.map, node, self.side, learn_mismatch=False)
+        self._navigator.node, self._navigator.arrival = node, self.side
+        return self._navigator
+
+    def _go_to(self, node: int) -> None:
+        self._navigator_at(self._node).go(node)
+
+    # --- forays ---------------------------------------------------------------------------------------
+
+    def _on_reached(self, event: NodeReached) -> None:
+        if self._doing is Doing.PROVING:
+            self._learn_forays()
+            self._rest(event.node)
+        elif self._doing is Doing.GOING and self._chord is not None and self._scouting is not None:
+            self._learn_forays()
+            self._doing = Doing.FORAY
+            self.forays += 1
+            data = self.map.graph.nodes[event.node]
+            start = ONWARD[data["corner"]]
+            crossing, pose = self._scouting.crossing(self._known(), self._chord)
+            self._drive.begin(crossing, start, data["turn"] or None, pose=pose, most=_FARTHEST)
+
+    def _learn_forays(self) -> None:
+        assert self._navigator is not None
+        for leg in self._navigator.legs:
+            if leg.foray:
+                self.map.record_traversal(leg.source, leg.target, "foray", leg.distance, both_ways=False)
+
+    def _on_landed(self, distance: float) -> None:
+        """A wall is met, and being joined: known, or an island."""
+        assert self._scouting is not None
+        self._hit = self.agent.odometry.pose
+        self._turned = 0.0
+        if self._chord is not None:
+            self._scouting.drove(self._chord, self._hit.x, self._hit.y)
+        if not self._scouting.is_known(self._known(), self._hit.x, self._hit.y, distance):
+            self._drive.release()
+            self._begin_island()
+
+    def _node_at(self, corner: CornerReached) -> int | None:
+        pose = self.agent.odometry.pose
+        since = self.agent.odometry.travelled - self._anchored
+        slack = 2.0 * self.config.near + self.config.near_slope * since
+        return node_at(self._known(), Pose(pose.x, pose.y, corner.heading), corner.kind, slack)
+
+    def _on_passed(self, event: NodePassed) -> None:
+        if self._scouting is not None:
+            self._anchor(event.node)
+
+    def _anchor(self, node: int) -> None:
+        """Path integration goes on from a node: the robot stands there, as askew as it was seen to."""
+        corner, odometry = self._corner, self.agent.odometry
+        if corner is None:
+            return
+        pose = pose_at(self._known(), node, corner.side != self.side)
+        if pose is not None:
+            skew = odometry.heading - corner.heading
+            odometry.reset(Pose(pose.x, pose.y, wrap_angle(pose.heading + skew)))
+            self._corner = replace(corner, heading=pose.heading)
+            self._anchored = odometry.travelled
+
+    def _on_done(self, driven: Crossing | None, corner: CornerReached | None, reason: str) -> None:
+        """At the corner after a wall that should be known, or the foray failed."""
+        assert self._scouting is not None
+        if driven is None or corner is None:
+            self._find_wall()
+            return
+        node = self._node_at(corner)
+        if node is not None:
+            self._finding = False
+            self._rest(node)
+            return
+        if self._finding:
+            self._localize()
+            return
+        self._begin_island()
+        start = FollowFrom.CONVEX if corner.kind == "convex" else FollowFrom.CONCAVE
+        self.agent.start("wall-following", Follow(self.side, start, corner.turn))
+
+    # --- islands --------------------------------------------------------------------------------------
+
+    def _begin_island(self) -> None:
+        self._doing = Doing.ISLAND
+        self._new_mapper()
+        self._first, self._place = None, None
+        self._track, self._turned, self._maybe = [], 0.0, set()
+
+    def _new_mapper(self) -> None:
+        self.mapper = self._make(self._commit)
+        self.mapper.meter.mismatch = self._mismatch
+
+    def _on_corner(self, event: CornerReached) -> None:
+        """Before the mapper hears of it: the first corner of an island anchors it in the map frame."""
+        if event.kind != BEND:
+            self._corner = event
+        listening = (
+            event.kind != BEND
+            and self._doing is Doing.ISLAND
+            and self.mapper.phase in (Phase.FOLLOW, Phase.CONFIRM)
+        )
+        if listening and self._recognize(event):
+            return
+        if self._doing is Doing.ISLAND and not self.mapper.trace.corners and self._place is None:
+            pose = self.agent.odometry.pose
+            self._place = Pose(pose.x, pose.y, event.heading)
+            self.mapper.heading = event.heading
+
+    def _commit(self, node: int, met_at: float) -> None:
+        if self._doing is Doing.ISLAND and self._first is None and self._place is not None:
+            self._first = node
+            self.map.annotate(node, **{PLACE: [self._place.x, self._place.y]})
+        self._on_commit(node, met_at)
+
+    def _take_island(self, closed: int) -> None:
+        """Its loop is closed at node `closed`: is it new?"""
+        here, place = self.mapper.current, self._place
+        assert place is not None
+        if closed != self._first:  # corners before that were none: a foray had met an edge of the island
+            at = self.mapper.trace.poses()[self.mapper.index(closed)]
+            at = place.compose(at.x, at.y)
+            self.map.annotate(closed, **{PLACE: [at.x, at.y]})
+            self._drop(node for node in self.mapper.nodes if node < closed)
+            self._first = closed
+        known = [outline for outline in self._known() if closed not in outline.nodes]
+        island = outline_from(self.map, closed)
+        if island is None:
+            self._give_up_island()
+        elif island.turning == known[0].turning:
+            self._drop_island()
+            self._localize()
+        elif any(is_same(outline, island) for outline in known[1:]):
+            self._drop_island()
+            self._find_wall()
+        else:
+            self.islands += 1
+            self._first = None
+            self._rest(here)
+
+    def _drop_island(self) -> None:
+        """Takes back the nodes of what is no island, or cannot be mapped."""
+        self._finding = False
+        self.mapper.stop("not an island of its own")
+        self._drop(node for node in self.mapper.nodes if node in self.map.graph)
+        self._first = None
+
+    def _drop(self, taken: Iterable[int]) -> None:
+        nodes, arcs = take_back(self.map, taken)
+        self._gone[0].extend(nodes)
+        self._gone[1].extend(arcs)
+
+    def _recognize(self, event: CornerReached) -> bool:
+        """Whether the corners met last, one after the other, are known ones; then it goes on from there."""
+        pose = self.agent.odometry.pose
+        corner = Pose(pose.x, pose.y, event.heading)
+        now = set(nodes_near(self._known(), corner, event.kind, _ASTRAY))
+        before, self._maybe = self._maybe, now
+        for node in sorted(now):
+            for arc in arcs_into(self.map, node, self.side):
+                slack = 0.02 + 0.02 * arc.distance
+                if arc.start in before and abs(arc.distance - event.path_length) < slack:
+                    self._drop_island()
+                    self._stop()
+                    self._rest(node)
+                    return True
+        return False
+
+    def _give_up_island(self) -> None:
+        """It cannot be mapped: remembered as something in the way; away from it, straight."""
+        assert self._scouting is not None
+        self._drop_island()
+        blind = Outline(tuple(self._track))
+        if not any(is_same(outline, blind) for outline in self._known()[1:]):
+            self._scouting.blind.append(blind)
+        self._stop()
+        self._leave()
+
+    # --- lost and done --------------------------------------------------------------------------------
+
+    def _find_wall(self) -> None:
+        """Something went wrong, but path integration still knows about where: the next corner will tell."""
+        self._doing, self._chord = Doing.FORAY, None
+        self._hit = self.agent.odometry.pose
+        self._finding = True
+        self._turned = 0.0
+        self._drive.stop()
+        self._drive.join()
+
+    def _localize(self) -> None:
+        self._doing, self._finding = Doing.LOST, False
+        self._drive.stop()
+        self._localizer = Localizer(self.agent, self.map)
+        self._localizer.begin()
+
+    def _on_localized(self, event: Localized) -> None:
+        if self._doing is Doing.LOST:
+            self._rest(event.node)
+
+    def _on_lost(self, event: Lost) -> None:
+        if self._doing is Doing.LOST:
+            self._node = -1
+            self._end("loop closed", f"lost on a foray: {event.reason}")
+        elif self._doing in (Doing.GOING, Doing.PROVING):
+            failed = self._navigator.failed if self._navigator is not None else None
+            if failed is not None and failed.kind == "foray":
+                self.map.block(failed.source, failed.target, "foray")
+            self._find_wall()
+
+    def _end(self, reason: str, scouted: str) -> None:
+        if self._gone[0]:
+            self._save()
+        self.reason, self.scouted, self._doing = reason, scouted, Doing.DONE
+        self._stop()
+
+    def _stop(self) -> None:
+        for name in _BEHAVIORS:
+            self.agent.stop(name)

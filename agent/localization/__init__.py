@@ -1,0 +1,1 @@
+"""Finding out where on a mapped boundary the robot is."""

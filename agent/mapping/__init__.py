@@ -1,0 +1,1 @@
+"""From corners met to nodes, arcs and local maps."""

@@ -1,0 +1,1 @@
+"""Missions: steps, files, the run that resumes them, the journal."""

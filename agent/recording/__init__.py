@@ -1,0 +1,1 @@
+"""Recording a run, replaying it, and explaining it."""

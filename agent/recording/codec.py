@@ -1,0 +1,124 @@
+"""Events, goals and results as JSON and back: for recordings, mission journals, plugins in subprocesses.
+
+A dataclass becomes `{"$": class name, field: value, ...}`, an enum member `{"$enum": "Class.NAME"}`, a tuple
+`{"$tuple": [...]}`, an array `{"$array": nested lists, "dtype": ...}`, a float that is not finite
+`{"$float": "nan"}`. Floats keep every bit. Reading executes nothing: an unknown class stays a dict.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from typing import Any
+
+import numpy as np
+
+from ...world.robot import Pose, WheelCommand
+from .. import events, goals, local_goals, maneuvers
+from ..errors import CodecError
+
+_DEPTH = 20
+
+
+def encode(value: Any, depth: int = 0) -> Any:
+    """The value in JSON's own types. What has no form of its own becomes its class's name.
+
+    Raises: CodecError beyond 20 levels of nesting.
+    """
+    if value is None or isinstance(value, bool | int | str):
+        return value if not isinstance(value, Enum) else _enum(value)
+    if depth > _DEPTH:
+        raise CodecError(f"nested deeper than {_DEPTH} levels")
+    if isinstance(value, float):
+        return float(value) if math.isfinite(value) else {"$float": repr(float(value))}
+    if isinstance(value, Enum):
+        return _enum(value)
+    if is_dataclass(value) and not isinstance(value, type):
+        body = {field.name: encode(getattr(value, field.name), depth + 1) for field in fields(value)}
+        return {"$": type(value).__name__} | body
+    if isinstance(value, Mapping):
+        return {str(key): encode(item, depth + 1) for key, item in value.items()}
+    if isinstance(value, tuple):
+        return {"$tuple": [encode(item, depth + 1) for item in value]}
+    if isinstance(value, list):
+        return [encode(item, depth + 1) for item in value]
+    if isinstance(value, set | frozenset):
+        return sorted(encode(item, depth + 1) for item in value)
+    return _encode_numpy(value)
+
+
+def _enum(value: Enum) -> dict[str, str]:
+    return {"$enum": f"{type(value).__name__}.{value.name}"}
+
+
+def _encode_numpy(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return {"$array": value.tolist(), "dtype": str(value.dtype)}
+    if isinstance(value, np.generic):
+        return encode(value.item())
+    return {"$": type(value).__name__}
+
+
+def dumps(value: Any) -> str:
+    """The value as one line of JSON: equal values give equal text."""
+    return json.dumps(encode(value), separators=(",", ":"), sort_keys=True, allow_nan=False)
+
+
+def _subclasses(cls: type[Any]) -> Iterable[type[Any]]:
+    for sub in cls.__subclasses__():
+        yield sub
+        yield from _subclasses(sub)
+
+
+def known_classes() -> dict[str, type[Any]]:
+    """The dataclasses and enums that `decode` makes again, by name: events, goals, poses and commands."""
+    known: dict[str, type[Any]] = {"Pose": Pose, "WheelCommand": WheelCommand}
+    for module in (goals, local_goals, maneuvers):
+        for name, value in vars(module).items():
+            if isinstance(value, type) and (is_dataclass(value) or issubclass(value, Enum)):
+                known[name] = value
+    known |= {cls.__name__: cls for cls in _subclasses(events.Event) if cls.__module__ == events.__name__}
+    return known
+
+
+_CLASSES = known_classes()
+
+
+def decode(value: Any) -> Any:
+    """The value that `encode` was given, as far as its classes are known.
+
+    Raises: CodecError for a known class with unknown or missing fields.
+    """
+    if isinstance(value, list):
+        return [decode(item) for item in value]
+    if not isinstance(value, dict):
+        return value
+    if "$tuple" in value:
+        return tuple(decode(item) for item in value["$tuple"])
+    if "$float" in value:
+        return float(value["$float"])
+    if "$array" in value:
+        return np.array(value["$array"], dtype=np.dtype(str(value["dtype"])))
+    if "$enum" in value:
+        name, _, member = str(value["$enum"]).partition(".")
+        cls = _CLASSES.get(name)
+        return cls[member] if cls is not None and issubclass(cls, Enum) else value["$enum"]
+    body = {key: decode(item) for key, item in value.items() if key != "$"}
+    cls = _CLASSES.get(str(value.get("$", "")))
+    if cls is None:
+        return body if "$" not in value else {"$": value["$"], **body}
+    try:
+        return cls(**body)
+    except TypeError as fault:
+        raise CodecError(f"{cls.__name__}: {fault}") from fault
+
+
+def loads(text: str) -> Any:
+    """The value of one line that `dumps` wrote. Raises: CodecError if it is none."""
+    try:
+        return decode(json.loads(text))
+    except (ValueError, RecursionError) as fault:
+        raise CodecError(f"not a recorded value: {fault}") from fault

@@ -1,0 +1,1 @@
+"""The boundary of a map: the walk along its arcs."""

@@ -1,0 +1,1 @@
+"""Maps as JSON, GraphML, GeoJSON and ROS maps."""

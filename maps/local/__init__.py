@@ -1,0 +1,1 @@
+"""Local maps: a metric and a perceptual SOM of the space around a node."""

@@ -1,0 +1,1 @@
+"""Comparing, aligning and merging maps."""

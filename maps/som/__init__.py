@@ -1,0 +1,1 @@
+"""Self-organizing maps: lattices, training, initialization."""

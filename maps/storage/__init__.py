@@ -1,0 +1,1 @@
+"""Map files: SQLite, crash-safe, versioned, validated."""

@@ -1,0 +1,1 @@
+"""Behaviors that run in processes of their own."""

@@ -1,0 +1,5 @@
+"""The command line: `main` is the command `tolman`."""
+
+from .program import main
+
+__all__ = ["main"]

@@ -1,0 +1,116 @@
+"""`tolman run`: runs a mission, or shows what it would do."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..command import Command
+from ..options import add_force, add_simulation, number, pose, simulation_values
+from ..output import ProgressLine, check_input, check_output, print_json, stdout_to_stderr
+
+if TYPE_CHECKING:
+    from ...session.mission_requests import MissionRequest
+
+DESCRIPTION = """Runs a mission: a Python file with a generator function `mission`, or a YAML file of steps.
+See docs/missions.md for the steps, and scripts/missions/ for examples.
+
+The world is the map's unless --world names one. With --journal a mission that was interrupted goes on with
+--resume after its last completed step."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the options of `tolman run`."""
+    parser.add_argument("mission", type=Path, metavar="MISSION", help="the mission's .py or .yaml file")
+    parser.add_argument("--map", type=Path, metavar="FILE", help="the map to begin with")
+    parser.add_argument("--world", metavar="WORLD", help="where it runs; default: the map's world")
+    parser.add_argument(
+        "--start", type=pose, metavar="X,Y,HEADING", help="where the robot begins (m, m, degrees)"
+    )
+    parser.add_argument("--dry-run", action="store_true", help="print the steps and do nothing")
+    parser.add_argument("--global-only", action="store_true", help="explore without local maps")
+    parser.add_argument(
+        "--max-time", type=number(0, strictly=True), metavar="S", help="cancel after S simulated seconds"
+    )
+    parser.add_argument("--journal", type=Path, metavar="FILE", help="keep completed steps there")
+    parser.add_argument("--resume", action="store_true", help="go on from the --journal")
+    parser.add_argument("--record", type=Path, metavar="RUN", help="record the run, for replay and explain")
+    add_force(parser)
+    add_simulation(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Runs or shows the mission. Status 1: it failed, was cancelled, or the dry run found problems."""
+    check_input(options.mission, "mission")
+    if options.map is not None:
+        check_input(options.map, "map")
+    request = _request(options)
+    if options.dry_run:
+        return _show(request, options.json)
+    if options.journal is not None:
+        check_output(
+            options.journal, replace=options.resume or options.force, hint="--resume goes on with it"
+        )
+    if options.record is not None:
+        check_output(options.record, replace=options.force)
+    return _run(request, options.json)
+
+
+def _request(options: argparse.Namespace) -> MissionRequest:
+    from ...session.mission_requests import MissionRequest
+
+    return MissionRequest(
+        mission=options.mission,
+        world=options.world,
+        map=options.map,
+        start=options.start,
+        global_only=options.global_only,
+        max_time=options.max_time,
+        journal=options.journal,
+        resume=options.resume,
+        force=options.force,
+        record=options.record,
+        **simulation_values(options),
+    )
+
+
+def _show(request: MissionRequest, as_json: bool) -> int:
+    from ....agent.missions.dry_run import dry_run
+    from ....agent.missions.mission import Mission
+    from ....maps.hybrid_map import HybridMap
+    from ....plugins.discovery import discover
+
+    nodes = sorted(HybridMap.load(request.map).nodes()) if request.map is not None else None
+    plan = dry_run(Mission.load(request.mission), nodes, set(discover(request.plugins).plugins()))
+    if as_json:
+        print_json({"steps": plan.lines, "problems": plan.problems})
+    else:
+        print("\n".join(plan.lines))
+        for problem in plan.problems:
+            print(f"problem: {problem}")
+    return 1 if plan.problems else 0
+
+
+def _run(request: MissionRequest, as_json: bool) -> int:
+    from ...session.mission_session import run_mission
+    from ...session.requests import Progress
+
+    line = ProgressLine()
+
+    def show(progress: Progress) -> None:
+        line.show(f"{progress.time_s:7.0f} s simulated, {progress.nodes:3d} nodes  {progress.message}")
+
+    with stdout_to_stderr():
+        report = run_mission(request, show)
+        line.close()
+    if as_json:
+        print_json(report.to_json())
+    else:
+        reason = f": {report.reason}" if report.reason else ""
+        print(f"{report.mission}: {report.status}{reason}")
+        print(f"{report.steps_done} steps, {report.sim_time_s:.0f} s simulated")
+    return 0 if report.status == "done" else 1
+
+
+COMMAND = Command("run", "run a mission, or show what it would do", DESCRIPTION, add_arguments, run)

@@ -1,0 +1,126 @@
+"""What commands print and write: JSON on stdout, progress on stderr, output files checked beforehand."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import json
+import math
+import os
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, TextIO
+
+import numpy as np
+
+from .errors import UsageError
+
+
+def check_input(path: Path, what: str) -> Path:
+    """The path of an existing, readable file.
+
+    Raises: UsageError, which names the file and says what it should be.
+    """
+    if not path.exists():
+        raise UsageError(f"{path}: there is no such {what}")
+    if not path.is_file():
+        raise UsageError(f"{path} is not a file but should be a {what}")
+    if not os.access(path, os.R_OK):
+        raise UsageError(f"{path}: no permission to read this {what}")
+    return path
+
+
+def check_output(path: Path, *, replace: bool, hint: str = "--force replaces it") -> Path:
+    """The path, when a file can be written there; called before the work whose result it takes.
+
+    Nothing is left behind. Raises: UsageError if the folder is missing or not writable, or if something
+    stands there and `replace` is off; the message ends with `hint`.
+    """
+    folder = path.parent
+    if path.is_dir():
+        raise UsageError(f"{path} is a folder; name a file in it")
+    if not folder.is_dir():
+        raise UsageError(f"{path}: there is no folder {folder}")
+    if path.exists() and not replace:
+        raise UsageError(f"{path} exists; {hint}")
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise UsageError(f"{path}: cannot write in {folder}: {error.strerror}") from error
+    if path.exists() and not os.access(path, os.W_OK):
+        raise UsageError(f"{path}: no permission to replace it")
+    return path
+
+
+def plain(value: Any) -> Any:
+    """The same value in JSON's own types: numpy turned to Python, numbers that are not finite to None."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, (list, tuple, set, frozenset)):
+        return [plain(item) for item in value]
+    if isinstance(value, np.generic):
+        return plain(value.item())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    if value is None or isinstance(value, (bool, int, float, str)):
+        return value
+    return str(value)
+
+
+def print_json(value: Mapping[str, Any] | list[Any]) -> None:
+    """Prints one JSON document on stdout."""
+    print(json.dumps(plain(value), indent=2, allow_nan=False))
+
+
+@contextlib.contextmanager
+def stdout_to_stderr() -> Iterator[None]:
+    """Sends whatever is printed inside, by C++ libraries too, to stderr: DART warns on stdout."""
+    sys.stdout.flush()
+    saved = os.dup(1)
+    try:
+        os.dup2(2, 1)
+        with contextlib.redirect_stdout(sys.stderr):
+            yield
+    finally:
+        with contextlib.suppress(OSError, AttributeError):
+            ctypes.CDLL(None).fflush(None)
+        os.dup2(saved, 1)
+        os.close(saved)
+
+
+class ProgressLine:
+    """Shows how far a run is on a stream: one line rewritten on a terminal, else a line now and then."""
+
+    def __init__(self, stream: TextIO | None = None, interval: float = 5.0) -> None:
+        """`interval`: least wall-clock seconds between two lines where the stream is no terminal."""
+        self._stream = sys.stderr if stream is None else stream
+        self._rewrites = self._stream.isatty()
+        self._interval = 0.1 if self._rewrites else interval
+        self._next = time.monotonic() + (0.0 if self._rewrites else 2.0)
+        self._width = 0
+
+    def show(self, text: str) -> None:
+        """Shows `text`, unless the last one is too recent."""
+        now = time.monotonic()
+        if now < self._next:
+            return
+        self._next = now + self._interval
+        if self._rewrites:
+            self._stream.write("\r" + text.ljust(self._width))
+            self._width = len(text)
+        else:
+            self._stream.write(text + "\n")
+        self._stream.flush()
+
+    def close(self) -> None:
+        """Clears the line on a terminal."""
+        if self._rewrites and self._width:
+            self._stream.write("\r" + " " * self._width + "\r")
+            self._stream.flush()
+            self._width = 0

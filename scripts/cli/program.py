@@ -1,0 +1,152 @@
+"""The command `tolman`: parses a command line, runs the command and turns errors into one line each.
+
+Exit status: 0 done, 1 the run failed, 2 bad usage or bad input, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import os
+import re
+import sys
+from collections.abc import Sequence
+from importlib.metadata import version
+from typing import NoReturn
+
+from .command import Command
+from .errors import UsageError, describe, did_you_mean, status_of
+
+COMMANDS = {
+    "worlds": "worlds:COMMAND",
+    "map": "map:COMMAND",
+    "go": "go:COMMAND",
+    "info": "info:COMMAND",
+    "plot": "plot:COMMAND",
+    "validate": "validate:COMMAND",
+    "export": "export:COMMAND",
+    "diff": "diff:COMMAND",
+    "merge": "diff:MERGE",
+    "run": "run:COMMAND",
+    "replay": "replay:COMMAND",
+    "explain": "replay:EXPLAIN",
+    "plugins": "plugins:COMMAND",
+    "experiment": "experiment:COMMAND",
+}
+"""Command -> module of `commands` and the `Command` in it, in the order of --help."""
+
+EPILOG = """examples:
+  tolman worlds                                    what there is to explore
+  tolman map env1 -o m.tolman --figure m.png       explore env1, save the map and a picture of it
+  tolman info m.tolman                             what the map knows
+  tolman go m.tolman --to 5                        find the way to node 5, from where the mapping ended
+
+`tolman COMMAND --help` explains a command's options."""
+
+
+class Parser(argparse.ArgumentParser):
+    """An ArgumentParser whose errors are one line, and which suggests the option that was meant."""
+
+    def error(self, message: str) -> NoReturn:
+        """Prints the message as one line and exits with status 2."""
+        line = " ".join(message.split())
+        self.exit(2, f"tolman: error: {line} (see `{self.prog} --help`)\n")
+
+    def options(self) -> list[str]:
+        """The long options this parser knows."""
+        return sorted(set(re.findall(r"--[a-z][a-z-]*", self.format_help())))
+
+
+def build_parser(command: Command) -> Parser:
+    """The parser of one command."""
+    parser = Parser(
+        prog=f"tolman {command.name}",
+        description=command.description,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    command.add_arguments(parser)
+    return parser
+
+
+def build_main_parser() -> Parser:
+    """The parser of what stands before the command; it also prints the list of commands."""
+    commands = "\n".join(f"  {name:<12}{load(name).summary}" for name in COMMANDS)
+    parser = Parser(
+        prog="tolman",
+        usage="tolman COMMAND [OPTIONS]",
+        description="A robot explores an unknown walled world, builds a hybrid map of it\n"
+        f"and finds its way with it later.\n\ncommands:\n{commands}",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("--version", action="version", version=f"tolman {version('tolman')}")
+    return parser
+
+
+def load(name: str) -> Command:
+    """Imports a command; only then is anything loaded that it needs."""
+    module, _, attribute = COMMANDS[name].partition(":")
+    command = getattr(importlib.import_module(f".commands.{module}", __package__), attribute)
+    assert isinstance(command, Command)
+    return command
+
+
+def join_coordinates(arguments: Sequence[str]) -> list[str]:
+    """Joins an option and a list of numbers after it that starts with a minus: argparse would refuse it."""
+    joined: list[str] = []
+    for argument in arguments:
+        if re.match(r"-[\d.]+,", argument) and joined and re.fullmatch(r"--[a-z-]+", joined[-1]):
+            joined[-1] += "=" + argument
+        else:
+            joined.append(argument)
+    return joined
+
+
+def parse(arguments: Sequence[str]) -> tuple[Command, argparse.Namespace]:
+    """The command and its parsed options. Exits with status 0 after --help, 2 on bad usage."""
+    if not arguments or arguments[0].startswith("-"):
+        main_parser = build_main_parser()
+        main_parser.parse_args(arguments)
+        main_parser.error("name a command: " + ", ".join(COMMANDS))
+    name, *rest = arguments
+    known = COMMANDS
+    if name not in known:
+        raise UsageError(
+            f"unknown command {name!r}{did_you_mean(name, known)} (commands: {', '.join(known)})"
+        )
+    command = load(name)
+    parser = build_parser(command)
+    namespace, unknown = parser.parse_known_args(join_coordinates(rest))
+    if unknown:
+        parser.error(f"unexpected argument {unknown[0]!r}{did_you_mean(unknown[0], parser.options())}")
+    return command, namespace
+
+
+def execute(arguments: Sequence[str]) -> int:
+    """Runs a command line and returns its exit status."""
+    try:
+        command, namespace = parse(arguments)
+        status = command.run(namespace)
+        sys.stdout.flush()
+        return status
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # else the interpreter's last flush complains
+        return 141
+    except KeyboardInterrupt:
+        print("tolman: interrupted; what was reported as saved is saved", file=sys.stderr)
+        return 130
+    except Exception as error:
+        status_or_none = status_of(error)
+        if status_or_none is None:
+            raise
+        print(f"tolman: error: {describe(error)}", file=sys.stderr)
+        return status_or_none
+
+
+def main() -> int:
+    """Entry point of the command."""
+    # Before numpy is loaded: with more threads, sums and so the bytes of a map would depend on the machine.
+    os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    return execute(sys.argv[1:])

@@ -1,0 +1,1 @@
+"""Campaigns: which runs there are, running them, keeping their rows."""

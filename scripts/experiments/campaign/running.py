@@ -1,0 +1,109 @@
+"""How experiments' jobs are run: what each kind does, in which order, with which version of the code."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from ..runs.beyond import run_unknown_start
+from ..runs.changes import run_changed_world
+from ..runs.mapping import run_mapping
+from ..runs.traversal import run_traversal
+from .campaign import Job, Progress, Result, Store, run_campaign
+from .version import code_version
+
+SIDES = ("right", "left")
+RUNS: Mapping[str, Callable[[Mapping[str, Any], Path], dict[str, Any]]] = MappingProxyType(
+    {
+        "map": run_mapping,
+        "traverse": run_traversal,
+        "unknown-start": run_unknown_start,
+        "changed-world": run_changed_world,
+    }
+)
+"""What a run of a job is, by its setting `kind`: from its settings and the work folder to figures."""
+
+
+@dataclass(frozen=True, slots=True)
+class Running:
+    """How campaigns are run, as in `run_campaign`. until: no run is begun after it (`time.monotonic`)."""
+
+    processes: int = 1
+    dask: str | None = None
+    until: float | None = None
+    progress: Callable[[str, Progress], None] = lambda what, progress: None
+    failed: Callable[[Job, str], None] | None = None
+
+    def campaign(self, what: str, jobs: Sequence[Job], folder: Path) -> dict[str, Result]:
+        """Runs what the work folder does not have yet; results by job key. Raises: CampaignError."""
+        folder.mkdir(parents=True, exist_ok=True)
+        return run_campaign(
+            jobs,
+            Work(folder),
+            processes=self.processes,
+            store=Store(folder / "runs.jsonl", version_of),
+            progress=lambda progress: self.progress(what, progress),
+            cost=expected_cost,
+            until=self.until,
+            dask=self.dask,
+            failed=self.failed,
+        )
+
+
+ALONE = Running()
+"""One process, no limit, nobody to tell."""
+
+
+@dataclass(frozen=True, slots=True)
+class Work:
+    """What a process does with a job; sent to it, so nothing but the folder is in it."""
+
+    folder: Path
+
+    def __call__(self, settings: Mapping[str, Any]) -> dict[str, Any]:
+        """Runs the job and returns its figures."""
+        return RUNS[str(settings["kind"])](settings, self.folder)
+
+
+def version_of(settings: Mapping[str, Any]) -> str:
+    """The version of the code that a job's result depends on; nothing for a kind that there is no more."""
+    run = RUNS.get(str(settings.get("kind")))
+    return code_version(run.__module__.removeprefix("tolman.scripts.")) if run is not None else ""
+
+
+def versions() -> dict[str, str]:
+    """The version of the code by kind of run."""
+    return {kind: version_of({"kind": kind}) for kind in RUNS}
+
+
+def seeds(first: int, runs: int) -> Iterable[tuple[int, str]]:
+    """Seeds and sides of runs: every second one follows the left wall."""
+    return ((first + k, SIDES[k % 2]) for k in range(runs))
+
+
+def paced(groups: Iterable[Sequence[Job]]) -> list[Job]:
+    """The jobs of all groups at the same pace: the k-th of n at k / n, where equal the longest first."""
+    placed = [
+        (k / len(group), -expected_cost(job), job.key, job) for group in groups for k, job in enumerate(group)
+    ]
+    return [job for *_, job in sorted(placed, key=lambda entry: entry[:3])]
+
+
+_COSTS = {"env1": 1.0, "env2": 2.4, "env3": 2.8}
+
+
+def expected_cost(job: Job) -> float:
+    """About what a job takes, in thousands of simulated seconds: to order jobs and to guess the time left."""
+    settings = job.settings
+    world = str(settings.get("world", settings.get("map world", ""))).partition(" ")[0]
+    if settings["kind"] == "traverse":
+        lost_soon = settings["map profile"] == "thesis"
+        cost = 0.85 if not settings["corrected"] else 0.3 if lost_soon else 3.5
+    elif settings["kind"] == "map":
+        cost = 1.8 if settings["local_maps"] else 0.2
+    else:
+        cost = 1.0
+    return cost * _COSTS.get(world, 2.0)

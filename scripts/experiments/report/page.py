@@ -1,0 +1,120 @@
+"""A page of results: the tables and studies that were asked for, run and put together."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from ..campaign.campaign import Job
+from ..campaign.plan import ENVIRONMENTS, FIRST_SEED, Outcome, Plan, plan_for, run_plan
+from ..campaign.running import Running, versions
+from ..runs.worlds import import_world
+from ..studies.ablation import ABLATION
+from ..studies.beyond_study import BEYOND
+from ..studies.study import Asked, Results, Study, run_study
+from ..studies.unseen import SHAPED, UNSEEN
+from ..studies.variants import VARIANTS
+from .report import TUNED, report_text, report_values
+
+STUDIES: Mapping[str, Study] = MappingProxyType(
+    {study.name: study for study in (VARIANTS, ABLATION, UNSEEN, SHAPED, BEYOND)}
+)
+"""What there is beyond the thesis's tables, by name."""
+
+
+@dataclass(slots=True)
+class Page:
+    """What is asked for, and after `run` what came of it."""
+
+    plan: Plan
+    studies: Sequence[Study]
+    asked: Asked
+    folder: Path
+    outcome: Outcome = field(default_factory=Outcome)
+    notes: str = ""
+    results: dict[str, Results] = field(default_factory=dict)
+    errors: list[str] = field(default_factory=list)
+
+    @classmethod
+    def of(cls, options: argparse.Namespace) -> Page:
+        """The page that the options of `tolman experiment` ask for. Raises: SessionError, UsageError."""
+        studies = [STUDIES[name] for name in dict.fromkeys(options.names) if name in STUDIES]
+        tables = [name for name in options.names if name not in STUDIES]
+        plan = plan_for(tables, options.runs, options.global_runs, options.first_seed, tuple(STUDIES))
+        plan = replace(plan, thesis_runs=options.thesis_runs, thesis_global_runs=options.thesis_global_runs)
+        if options.profile != "both":
+            plan = replace(plan, profiles=(options.profile,))
+        if options.environments is not None:
+            plan = replace(plan, environments=options.environments)
+        imported = tuple(import_world(source, options.work) for source in options.imported)
+        environments = options.environments or ENVIRONMENTS
+        asked = Asked(options.runs, options.first_seed, environments, imported)
+        notes = "" if options.notes is None else options.notes.read_text(encoding="utf-8").strip()
+        return cls(plan, studies, asked, options.work, notes=notes)
+
+    def run(self, running: Running) -> None:
+        """Runs what the work folder does not have yet. Raises: CampaignError.
+
+        A run that raises an error is left out and named in `errors`.
+        """
+        running = replace(running, failed=self._note_error)
+        if self.plan.tables:
+            self.outcome = run_plan(self.plan, self.folder, running)
+        for study in self.studies:
+            self.results[study.name] = run_study(study, self.asked, self.folder, running)
+
+    def _note_error(self, job: Job, error: str) -> None:
+        told = ", ".join(f"{name} {value}" for name, value in job.settings.items())
+        self.errors.append(f"{error} ({told})")
+
+    def draw(self, folder: Path, base: Path) -> list[tuple[str, str]]:
+        """Draws the figures of the tables; returns (title, path from `base`) of each."""
+        if not self.plan.tables:
+            return []
+        from .figures import draw_figures
+
+        return draw_figures(self.plan, self.outcome, self.folder, folder, base)
+
+    def text(self, pictures: Sequence[tuple[str, str]] = ()) -> str:
+        """The page in Markdown."""
+        parts = []
+        if self.plan.tables:
+            parts.append(report_text(self.plan, self.outcome, versions(), pictures, self.notes))
+        else:
+            tuned = TUNED[self.asked.first_seed < FIRST_SEED]
+            seeds = f"Seeds from {self.asked.first_seed}; {tuned}"
+            head = ["# Results beyond the thesis", _MADE, seeds, _versions(), self.notes]
+            parts.append("\n\n".join(head))
+        parts += [
+            f"## {study.title}\n\n{study.report(self.asked, self.results.get(study.name, {}))}\n"
+            for study in self.studies
+        ]
+        if self.errors:
+            parts.append("## Errors\n\nRuns that ended in an error of the program:\n\n" + _list(self.errors))
+        return "\n\n".join(part.strip() for part in parts) + "\n"
+
+    def values(self) -> dict[str, Any]:
+        """The page as JSON values."""
+        values = report_values(self.plan, self.outcome, versions()) if self.plan.tables else {}
+        found = {
+            study.name: study.values(self.asked, self.results.get(study.name, {})) for study in self.studies
+        }
+        return {**values, "studies": found} if found else values
+
+
+def _list(items: Sequence[str]) -> str:
+    return "\n".join(f"- {item}" for item in items)
+
+
+_MADE = (
+    "Generated by `tolman experiment`; how the runs are made and scored is in "
+    "[experiments.md](experiments.md). Noise preset `thesis`, robot model `wheels`."
+)
+
+
+def _versions() -> str:
+    return "Version of the code by kind of run: " + ", ".join(f"{k} {v}" for k, v in versions().items()) + "."

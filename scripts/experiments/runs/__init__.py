@@ -1,0 +1,1 @@
+"""Single runs of the experiments, and the worlds they are made in."""

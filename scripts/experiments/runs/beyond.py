@@ -1,0 +1,113 @@
+"""Experiments beyond the thesis: starts that the robot is not told, over maps of a campaign.
+
+A job's settings name the mapping (keys `map ...`, as for traversals), a `seed` that draws the start, and
+where it is dropped. `run_unknown_start(settings, folder) -> dict` maps if the folder has no such map yet.
+Result:
+
+    outcome            "right", "wrong" (claims a node it is more than 15 cm from), "ambiguous", "not found"
+    reason             what the robot said
+    after_m, share     driven along the boundary until the claim (m), and that by the length of the loop;
+                       None without a claim
+    loop_m             length of the loop (m)
+    error_m            from where it claimed to stand (m), None without a claim
+    start              where it was dropped: x, y (m), heading (rad), world frame
+    collisions, sim_time_s
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ....agent.localization.localizer import Localizer
+from ....maps.hybrid_map import HybridMap
+from ....world import World
+from ....world.arenas.catalog import find_world
+from ....world.geometry import Plan, cast
+from ....world.robot import EPUCK, Pose
+from ...session.assembly import make_agent, make_world
+from ...session.trip_run import Trip
+from ...session.truth import read_map_truth
+from ..campaign.campaign import Job
+from .traversal import LOST_BEYOND, mapped_for, simulation_of
+
+DROPS: Mapping[str, tuple[float, float]] = {"wall": (0.04, 0.10), "open": (0.10, math.inf)}
+"""Where a robot is dropped: least and most distance (m) of its center from the nearest wall."""
+_TRIES = 100_000
+
+
+def unknown_start_job(map_job: Job, seed: int, drop: str) -> Job:
+    """A start that the robot is not told, on the map of a mapping job. drop: "wall" or "open"."""
+    settings = {f"map {name}": value for name, value in map_job.settings.items()}
+    return Job({"kind": "unknown-start", "seed": seed, "drop": drop, **settings})
+
+
+def run_unknown_start(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Drops a robot somewhere and lets it find out where it is; lengths in m, angles in rad."""
+    path = mapped_for(settings, folder)
+    return find_place(path, settings)
+
+
+def find_place(path: Path, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """The same on a map file. Settings: seed, drop, and of the map world, profile, noise, noise_scale."""
+    hybrid_map, truth = HybridMap.load(path), read_map_truth(path)
+    assert truth is not None
+    simulation = simulation_of(settings)
+    name = str(settings["map world"])
+    start = drop_pose(Plan(find_world(name).shapes), str(settings["drop"]), simulation.seed)
+    world = make_world(simulation, name, {}, start)
+    with contextlib.closing(world):
+        trip = Trip(simulation, world, make_agent(simulation, world, {}), lambda progress: None)
+        node = trip.localize(hybrid_map)
+        return _result(trip.localizer, world, start, None if node is None else truth.nodes[node])
+
+
+def _result(localizer: Localizer, world: World, start: Pose, place: Pose | None) -> dict[str, Any]:
+    found, loop = localizer.node is not None, localizer.filter.loop_length
+    error = None if place is None else place.distance_to(world.true_pose())
+    if error is not None:
+        outcome = "right" if error <= LOST_BEYOND else "wrong"
+    else:
+        outcome = "ambiguous" if localizer.reason.startswith("ambiguous") else "not found"
+    return {
+        "outcome": outcome,
+        "reason": localizer.reason,
+        "node": localizer.node,
+        "after_m": localizer.length if found else None,
+        "share": localizer.length / loop if found else None,
+        "loop_m": loop,
+        "error_m": error,
+        "start": [start.x, start.y, start.heading],
+        "collisions": world.collisions(),
+        "sim_time_s": world.time,
+    }
+
+
+def drop_pose(plan: Plan, drop: str, seed: int) -> Pose:
+    """A pose inside a room at a distance from its walls as `drop` says, each place equally likely.
+
+    Raises: ValueError if there seems to be no such place.
+    """
+    nearest, farthest = DROPS[drop]
+    rng = np.random.default_rng(np.random.SeedSequence([seed, sorted(DROPS).index(drop)]))
+    x0, y0, x1, y1 = plan.bounds
+    for _ in range(_TRIES):
+        x, y, heading = rng.uniform((x0, y0, -math.pi), (x1, y1, math.pi))
+        if nearest <= plan.clearance(x, y) <= farthest and _inside(plan, x, y):
+            return Pose(float(x), float(y), float(heading))
+    raise ValueError(f"no place to drop a robot {nearest:g} to {farthest:g} m from the walls")
+
+
+def _inside(plan: Plan, x: float, y: float) -> bool:
+    """Whether there are walls all around and nothing overlaps the robot."""
+    if plan.contains(x, y) or plan.clearance(x, y) < EPUCK.body_radius:
+        return False
+    turns = np.linspace(0.0, math.tau, 36, endpoint=False) + 0.01
+    directions = np.stack((np.cos(turns), np.sin(turns)), 1)
+    origins = np.broadcast_to(np.array((x, y)), directions.shape)
+    return bool(np.isfinite(cast(origins, directions, plan.segments)).all())

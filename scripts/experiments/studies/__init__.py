@@ -1,0 +1,1 @@
+"""Studies past the thesis: variants, unseen rooms, ablations."""

@@ -1,0 +1,138 @@
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from tolman.agent.errors import RecordingError
+from tolman.agent.recording.recorder import read_recording
+from tolman.maps.hybrid_map import HybridMap
+from tolman.maps.storage.map_file import read_truth
+from tolman.scripts.cli.program import execute
+from tolman.scripts.session import map_world
+from tolman.scripts.session.assembly import make_agent, make_world
+from tolman.scripts.session.profiles import find_profile, make_navigator
+from tolman.scripts.session.record_run import recorded
+from tolman.scripts.session.replay_run import replay
+from tolman.scripts.session.requests import GoRequest, MapRequest
+from tolman.scripts.session.trip_run import Trip
+from tolman.world.robot import Pose
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> MapRequest:
+    """A recorded mapping of env1: global, then a local map at the first of two nodes."""
+    folder = tmp_path_factory.mktemp("run")
+    request = MapRequest(
+        world="env1",
+        output=folder / "m.tolman",
+        global_only=True,
+        engine="kinematic",
+        record=folder / "m.mcap",
+    )
+    assert map_world(request).loop_closed
+    return request
+
+
+def test_a_recorded_mapping_replays_to_the_bit(run: MapRequest) -> None:
+    assert run.record is not None
+    report = replay(run.record)
+    assert (report.kind, report.identical, report.difference) == ("map", True, None)
+    assert report.ticks == len(read_recording(run.record).ticks)
+
+
+def test_so_does_one_in_a_world_of_another_scale(run: MapRequest, tmp_path: Path) -> None:
+    maze = tmp_path / "maze.txt"
+    maze.write_text("+---+---+\n|S      |\n+---+---+\n")
+    map_world(replace(run, world=str(maze), output=tmp_path / "m", record=tmp_path / "r", scale=1.5))
+    assert replay(tmp_path / "r").identical
+
+
+@pytest.mark.slow
+def test_so_does_one_with_a_local_map(run: MapRequest, tmp_path: Path) -> None:
+    request = replace(
+        run, output=tmp_path / "m", record=tmp_path / "r", global_only=False, max_nodes=1, side="left"
+    )
+    map_world(request)
+    assert replay(tmp_path / "r").identical
+    assert any(tick.images for tick in read_recording(tmp_path / "r").ticks)
+
+
+def test_so_does_one_that_was_resumed(run: MapRequest, tmp_path: Path) -> None:
+    begun = replace(run, output=tmp_path / "m", record=None, max_nodes=3)
+    assert map_world(begun).nodes == 3
+    map_world(replace(begun, max_nodes=None, resume=True, record=tmp_path / "r"))
+    assert (tmp_path / "m").read_bytes() == run.output.read_bytes()
+    (tmp_path / "m").unlink()
+    report = replay(tmp_path / "r")
+    assert (report.identical, report.difference) == (True, None)
+    assert 0 < report.ticks < replay_length(run)
+
+
+def replay_length(run: MapRequest) -> int:
+    assert run.record is not None
+    return len(read_recording(run.record).ticks)
+
+
+def test_recording_changes_nothing(run: MapRequest, tmp_path: Path) -> None:
+    map_world(replace(run, output=tmp_path / "m", record=None))
+    assert (tmp_path / "m").read_bytes() == run.output.read_bytes()
+
+
+def test_another_configuration_is_noticed_at_its_first_effect(run: MapRequest, tmp_path: Path) -> None:
+    settings = tmp_path / "settings.yaml"
+    settings.write_text("behaviors: {wall-following: {speed: 200.0}}")
+    request = replace(run, output=tmp_path / "m", record=tmp_path / "r", config=settings)
+    map_world(request)
+    assert replay(tmp_path / "r").identical  # the settings are in the recording
+    header = dict(read_recording(tmp_path / "r").header)
+    assert header["settings"] == {"behaviors": {"wall-following": {"speed": 200.0}}}
+
+
+def test_a_recorded_trip_replays_to_the_bit(run: MapRequest, tmp_path: Path) -> None:
+    request = GoRequest(map=run.output, to=4, engine="kinematic")
+    hybrid_map, truth = HybridMap.load(run.output), read_truth(run.output)
+    world = make_world(request, "env1", {}, Pose(*truth.run["pose"]))
+    agent = make_agent(request, world, {})
+    node = hybrid_map.meta.current_node
+    assert node is not None
+    with recorded(tmp_path / "r", "go", request, agent, world, {"map": run.output.read_bytes()}):
+        trip = Trip(request, world, agent, lambda progress: None)
+        navigator = make_navigator(find_profile("default"), agent, hybrid_map, node, hybrid_map.meta.side)
+        assert trip.drive(navigator, 4, truth).reached
+    report = replay(tmp_path / "r")
+    assert (report.identical, report.difference) == (True, None)
+
+
+def test_the_commands_say_the_same(run: MapRequest, capsys: pytest.CaptureFixture[str]) -> None:
+    assert execute(["replay", str(run.record), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["identical"] is True
+    assert execute(["explain", str(run.record)]) == 0
+    told = capsys.readouterr().out
+    assert "control: nobody -> wall-following" in told
+    assert "LoopClosed(" in told
+    assert "wall-following drove" in told
+    assert execute(["explain", str(run.record), "--control"]) == 0
+    assert "LoopClosed(" not in capsys.readouterr().out
+
+
+def test_a_file_that_is_no_recording_is_bad_input(
+    run: MapRequest, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert execute(["explain", str(run.output)]) == 2
+    assert "not a whole recording" in capsys.readouterr().err
+    assert execute(["replay", "nowhere.mcap"]) == 2
+    assert "nowhere.mcap: there is no such recording" in capsys.readouterr().err
+
+
+def test_a_recording_of_another_world_of_that_name_is_refused(
+    run: MapRequest, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from tolman.world.arenas.catalog import find_world
+
+    other = find_world("env2")
+    monkeypatch.setattr("tolman.scripts.session.replay_run.find_world", lambda name, scale: other)
+    assert run.record is not None
+    with pytest.raises(RecordingError, match="recorded in another env1"):
+        replay(run.record)

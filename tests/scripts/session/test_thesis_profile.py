@@ -1,0 +1,97 @@
+"""Profiles are data: what they name is built, and what a user asks for comes on top."""
+
+import math
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tolman.agent.mapping.corners import Mapper
+from tolman.agent.mapping.published import ThesisMapper, ThesisMappingConfig
+from tolman.agent.navigation.corners import Navigator
+from tolman.agent.navigation.published import ThesisNavigator
+from tolman.maps.hybrid_map import HybridMap
+from tolman.scripts.cli.options import PROFILES as OFFERED
+from tolman.scripts.session.assembly import make_agent, make_world
+from tolman.scripts.session.profiles import (
+    PROFILES,
+    REMEDIES,
+    behavior_settings,
+    find_profile,
+    make_mapper,
+    make_navigator,
+)
+from tolman.scripts.session.requests import MapRequest, SessionError, Simulation
+
+
+def test_the_command_line_offers_the_profiles_there_are() -> None:
+    assert set(OFFERED) == set(PROFILES)
+
+
+def test_an_unknown_profile_is_refused_with_the_nearest() -> None:
+    with pytest.raises(SessionError, match="did you mean thesis"):
+        find_profile("thesiss")
+
+
+def test_settings_asked_for_come_on_top_of_the_profiles() -> None:
+    asked = {"local-exploration": {"compass": True}, "wander": {}}
+    merged = behavior_settings(find_profile("thesis"), asked)
+    assert merged["local-exploration"] == {
+        "landmarks": False,
+        "compass": True,
+        "panorama_interval": 0.04,
+        "turn_speed": 300.0,
+    }
+    assert behavior_settings(find_profile("thesis"), None)["local-exploration"]["compass"] is False
+
+
+@pytest.mark.parametrize("remedy", sorted(REMEDIES))
+def test_a_profile_can_do_without_each_remedy_and_stays_as_it_is_otherwise(remedy: str) -> None:
+    whole, without = find_profile("default"), find_profile(f"default without {remedy}")
+    assert replace(without, name="default") != whole
+    changed = [f.name for f in fields(whole) if getattr(whole, f.name) != getattr(without, f.name)]
+    assert set(changed) <= {"name", "behaviors", "mapping", "learn_mismatch", "reflexes"}
+    simulation = Simulation(profile=without.name, engine="kinematic")
+    agent = make_agent(simulation, make_world(simulation, "env1", {}, None), {})
+    assert isinstance(make_navigator(without, agent, HybridMap(), 0, None), Navigator)
+
+
+def test_there_is_no_profile_without_what_it_does_not_have() -> None:
+    with pytest.raises(SessionError, match="unknown profile 'default without luck'"):
+        find_profile("default without luck")
+
+
+def _no_local_map(samples: Any, heading: float) -> Any:
+    raise AssertionError("no local map is to be built here")
+
+
+@pytest.mark.parametrize(
+    ("name", "mapper", "navigator"),
+    [("default", Mapper, Navigator), ("thesis", ThesisMapper, ThesisNavigator)],
+)
+def test_a_profile_names_its_mapper_and_navigator(name: str, mapper: type, navigator: type) -> None:
+    profile = find_profile(name)
+    simulation = Simulation(profile=name, engine="kinematic")
+    world = make_world(simulation, "env1", {}, None)
+    agent = make_agent(simulation, world, {})
+    hybrid = HybridMap()
+    hybrid.add_node()
+    request = MapRequest(world="env1", output=Path("unused"), profile=name)
+    built = make_mapper(profile, request, agent, hybrid, _no_local_map, lambda node, met_at: None)
+    assert isinstance(built, mapper)
+    assert isinstance(make_navigator(profile, agent, hybrid, 0, None), navigator)
+
+
+def test_profile_thesis_explores_by_path_integration_alone() -> None:
+    simulation = Simulation(profile="thesis", engine="kinematic")
+    agent = make_agent(simulation, make_world(simulation, "env1", {}, None), {})
+    config = agent.behavior("local-exploration").config
+    assert not config.landmarks
+    assert not config.compass
+
+
+def test_profile_thesis_has_the_published_thresholds() -> None:
+    profile = find_profile("thesis")
+    assert profile.closing == 1.0  # D_a, the best of the three
+    config = ThesisMappingConfig()
+    assert (math.degrees(config.angle), config.distance) == pytest.approx((45.0, 0.05))

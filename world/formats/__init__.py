@@ -1,0 +1,1 @@
+"""Reading worlds: our YAML, ROS maps, mazes, Webots arenas."""

@@ -1,0 +1,1 @@
+"""Noise: its presets, and the random streams it draws from."""

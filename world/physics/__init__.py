@@ -1,0 +1,1 @@
+"""What moves the robot: DART, and a kinematic twin of it."""

@@ -1,0 +1,1 @@
+"""What the robot senses: infrared, encoders, camera."""
