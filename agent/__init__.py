@@ -4,7 +4,7 @@ The agent knows its robot only through `tolman.world.robot`; it never sees where
 """
 
 from . import events
-from .agent import Agent, Process, run
+from .agent import Agent, TickListener, run
 from .arbitration.mediator import Candidate, Decision, Mediator, PriorityMediator
 from .behavior import Behavior, Context, NoConfig, Proposal, Transition
 from .errors import AgentError, BehaviorContractError, ConfigError, UnknownBehaviorError
@@ -28,8 +28,8 @@ __all__ = [
     "NoConfig",
     "PathIntegrator",
     "PriorityMediator",
-    "Process",
     "Proposal",
+    "TickListener",
     "Transition",
     "UnknownBehaviorError",
     "events",

@@ -12,7 +12,7 @@ import numpy as np
 from ..world.robot import STOP, Image, Percept, Robot, WheelCommand
 from .arbitration.mediator import Candidate, Decision, Mediator, PriorityMediator
 from .behavior import Behavior, Context
-from .containment import Watch, check_command, check_proposal, describe, state_name
+from .containment import Watchdog, check_command, check_proposal, describe, state_name
 from .errors import AgentError, UnknownBehaviorError
 from .estimation.odometry import PathIntegrator
 from .events import (
@@ -23,14 +23,14 @@ from .events import (
     EventBus,
     MediatorFaulted,
 )
-from .handle import Limits, Port
+from .handle import BehaviorHandle, Limits
 
 _log = logging.getLogger(__name__)
 _FAULTS = (Exception, SystemExit)
 """What a plugin may raise without ending the run; KeyboardInterrupt is the user's."""
 
 
-class Process(Protocol):
+class TickListener(Protocol):
     """Something that watches every tick without driving: mapping, navigation, a mission, a recorder."""
 
     def update(self, percept: Percept, context: Context) -> None:
@@ -60,7 +60,7 @@ class Agent:
         self.bus = EventBus(on_fault=self._handler_fault)
         self.mediator: Mediator = mediator or PriorityMediator()
         self.odometry = PathIntegrator(robot.geometry)
-        self.processes: list[Process] = []
+        self.processes: list[TickListener] = []
         seed = seed if seed is not None else np.random.SeedSequence(0)
         self.context = Context(
             geometry=robot.geometry,
@@ -69,16 +69,16 @@ class Agent:
             rng=np.random.default_rng(seed),
             subscribe=self.bus.subscribe,
         )
-        self._watch = Watch(limits.budget, limits.hang)
+        self._watch = Watchdog(limits.budget, limits.hang)
         self._wildest = limits.wild * robot.geometry.max_speed
-        self._ports: dict[str, Port] = {}
+        self._ports: dict[str, BehaviorHandle] = {}
         for behavior in behaviors:
             if behavior.name in self._ports:
                 raise AgentError(f"two behaviors are named {behavior.name!r}: rename or leave out one")
-            self._ports[behavior.name] = Port(
+            self._ports[behavior.name] = BehaviorHandle(
                 behavior, self.bus, limits, self._watch, robot.geometry, self._look, seed
             )
-        self._active: list[Port] = []
+        self._active: list[BehaviorHandle] = []
         self._suspended: set[str] = set()
         self._faults: dict[str, int] = {}
         self._max_faults = max_faults
@@ -248,7 +248,7 @@ class Agent:
 
     # --- faults --------------------------------------------------------------------------------------
 
-    def _contain(self, port: Port, fault: BaseException) -> None:
+    def _contain(self, port: BehaviorHandle, fault: BaseException) -> None:
         """Stops a behavior that broke the contract, and the wheels for this tick."""
         name, state = port.name, state_name(port.behavior)
         self._halt = True
@@ -265,7 +265,7 @@ class Agent:
         if port.behavior.restarts and not disabled:
             self._to_restart.append(name)
 
-    def _leave(self, port: Port) -> None:
+    def _leave(self, port: BehaviorHandle) -> None:
         if port in self._active:
             self._active.remove(port)
         self._suspended.discard(port.name)
@@ -293,7 +293,7 @@ class Agent:
     def _look(self) -> Image:
         return self.robot.look()
 
-    def _port(self, name: str) -> Port:
+    def _port(self, name: str) -> BehaviorHandle:
         try:
             return self._ports[name]
         except KeyError:

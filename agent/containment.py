@@ -57,7 +57,7 @@ def describe(fault: BaseException) -> str:
     return f"{type(fault).__name__}: {text}"[:200] if text else type(fault).__name__
 
 
-class Watch:
+class Watchdog:
     """Times a call of a behavior's code: `with watch: ...`; the end of it raises BudgetExceededError if late.
 
     budget: wall-clock s; None: as long as it takes. hang: s after which Python code is interrupted, None:

@@ -79,10 +79,10 @@ class CornerReached(Event):
     kind: "concave" (a wall ahead), "convex" (the wall at the side ended) or "bend" (the wall has turned by so
     much without a corner). path_length: m driven since the last corner or bend, turns in place not counted.
     heading: rad, path-integrated, of the wall just followed. turn: rad, counter-clockwise, that the robot is
-    going to turn in place to follow the next wall, as far as it can tell from here. crook: rad, by how much
-    the direction of the wall just followed changed within 10 cm, at most; walls that are straight have none.
-    blind: m of the path, the last, on which nothing told the wall's direction: before a convex corner it has
-    ended already, and `heading` is that of before.
+    going to turn in place to follow the next wall, as far as it can tell from here.
+    max_heading_change: rad, by how much the direction of the wall just followed changed within 10 cm, at
+    most; walls that are straight have none. unobserved_length: m of the path, the last, on which nothing
+    told the wall's direction: before a convex corner it has ended already, and `heading` is that of before.
     """
 
     side: str
@@ -90,8 +90,8 @@ class CornerReached(Event):
     path_length: float
     heading: float
     turn: float
-    crook: float = 0.0
-    blind: float = 0.0
+    max_heading_change: float = 0.0
+    unobserved_length: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

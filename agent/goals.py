@@ -46,7 +46,7 @@ class ExploreLocally:
     as (direction to it in rad, distance from the node in m, standard deviation of the direction in rad).
     square: whether all walls are known to stand at right angles to these. corner: of the node; at a convex
     one no wall is near. points: obstacles known already (m, the node's frame), such as that corner's edge.
-    veer: standard deviation (rad/m) of what unequal wheels may turn unnoticed.
+    drift_rate: standard deviation (rad/m) of what unequal wheels may turn unnoticed.
     """
 
     strategy: str = "rows"
@@ -55,7 +55,7 @@ class ExploreLocally:
     square: bool = False
     corner: str = "concave"
     points: tuple[tuple[float, float], ...] = ()
-    veer: float = 0.0
+    drift_rate: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,7 @@ class PlacesDriven:
 
 
 @dataclass(frozen=True, slots=True)
-class ReturnToCorner:
+class ReacquireCorner:
     """Back off along the wall on `side` and come to the corner again, of that `kind`.
 
     room: how far (m) the wall just followed is known to lead back.
@@ -165,7 +165,7 @@ class LegDriven:
 
 
 @dataclass(frozen=True, slots=True)
-class GoThrough:
+class DrivePath:
     """Drive through these places (m, in the frame that has the robot's pose `start`), then face `heading`."""
 
     places: tuple[tuple[float, float], ...]

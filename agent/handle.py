@@ -15,7 +15,7 @@ import numpy as np
 
 from ..world.robot import Image, RobotGeometry
 from .behavior import Behavior, Context
-from .containment import Watch
+from .containment import Watchdog
 from .errors import EventFloodError, SubscriptionLeakError
 from .events import Event, EventBus, Subscription
 
@@ -36,7 +36,7 @@ class Limits:
     wild: float = 10.0
 
 
-class Port:
+class BehaviorHandle:
     """The agent's side of one behavior. A broken limit is raised at once, and kept in `broken`."""
 
     __slots__ = ("_bus", "_events", "_limits", "_watch", "behavior", "broken", "context", "name")
@@ -46,7 +46,7 @@ class Port:
         behavior: Behavior,
         bus: EventBus,
         limits: Limits,
-        watch: Watch,
+        watch: Watchdog,
         geometry: RobotGeometry,
         look: Callable[[], Image],
         seed: np.random.SeedSequence,

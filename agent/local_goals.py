@@ -15,20 +15,20 @@ _BEYOND = 0.03
 class LocalBelief:
     """What `agent.local_pose.LocalPose` holds, so that one behavior can go on for another.
 
-    pose: x, y (m), heading (rad), local frame, veer (rad/m). covariance: xx, xy, xt, yy, yt, tt; veer: its
-    covariances with x, y and heading, and its variance. walls: each as normal
+    pose: x, y (m), heading (rad), local frame, drift_rate (rad/m). covariance: xx, xy, xt, yy, yt, tt;
+    drift_rate: its covariances with x, y and heading, and its variance. walls: each as normal
     (rad), offset (m), their variances, and a lookout's x, y (m). square: all walls stand at right angles.
     """
 
     pose: tuple[float, float, float, float]
     covariance: tuple[float, float, float, float, float, float]
-    veer: tuple[float, float, float, float]
+    drift_rate: tuple[float, float, float, float]
     walls: tuple[tuple[float, float, float, float, float, float], ...] = ()
     square: bool = False
 
 
 @dataclass(frozen=True, slots=True)
-class GoByWalls:
+class DrivePathWithLandmarks:
     """Drive through these places (m, local frame of the belief), then face `heading` (rad) if it is given.
 
     fix: whether to look for the walls at the end, turning to and fro.
@@ -42,7 +42,8 @@ class GoByWalls:
 
 @dataclass(frozen=True, slots=True)
 class PlacesByWalls:
-    """How `GoByWalls` went. reached: how many of the places; pose: where it ended; belief: all it holds."""
+    """How `DrivePathWithLandmarks` went. reached: how many of the places; pose: where it ended; belief:
+    all it holds."""
 
     reached: int
     pose: Pose

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
-from ..agent.estimation.landmarks import LOOKOUT, ROCK, ROUND, LocalFix
+from ..agent.estimation.landmarks import FULL_SWEEP, SHORT_SWEEP, VANTAGE_POINT, LandmarkFix
 from ..agent.estimation.local_filter import LocalPose
 from ..agent.exploration.panoramas import QUARTER, PanoramaSamples, view_order
 from ..agent.exploration.rigid_graph import Cell, RigidGraph
@@ -107,7 +107,7 @@ class LocalExploration(Behavior):
         config = self.config
         self._rigid = RigidGraph(config.rows, config.columns, config.spacing)
         self._pose = LocalPose()
-        self._fix = LocalFix(RobotGeometry(), self._pose, config.landmarks)
+        self._fix = LandmarkFix(RobotGeometry(), self._pose, config.landmarks)
         self._here: Cell = self._rigid.center
         self._target: Cell | None = None
         self._queue: list[Cell] = []
@@ -133,8 +133,8 @@ class LocalExploration(Behavior):
         if not isinstance(goal, ExploreLocally):
             raise TypeError(f"{self.name} needs an ExploreLocally goal, not {goal!r}")
         self._queue = self._rigid.order(goal.strategy)
-        self._pose = LocalPose(goal.heading, goal.square, goal.veer)
-        self._fix = LocalFix(context.geometry, self._pose, self.config.landmarks)
+        self._pose = LocalPose(goal.heading, goal.square, goal.drift_rate)
+        self._fix = LandmarkFix(context.geometry, self._pose, self.config.landmarks)
         self._pose.know_corner(goal.corner, goal.walls)
         for x, y in goal.points:
             self._fix.memory.know(x, y)
@@ -177,7 +177,7 @@ class LocalExploration(Behavior):
             self.fire("aim")
         elif self._errand is not None or self._tour:
             self._rounded = False
-            self._fix.begin((self._turn_for_fix(), *ROCK))
+            self._fix.begin((self._turn_for_fix(), *SHORT_SWEEP))
             self.fire("fix")
         else:
             self.fire("home")
@@ -231,7 +231,7 @@ class LocalExploration(Behavior):
             places = self._rigid.places
             away = {cell: math.dist(places[cell], mark.lookout) for cell in sorted(self._visited)}
             cell = min(away, key=away.__getitem__)
-            if away[cell] < LOOKOUT:
+            if away[cell] < VANTAGE_POINT:
                 found[cell] = mark.normal
         return found
 
@@ -338,7 +338,7 @@ class LocalExploration(Behavior):
         else:
             if not self._rounded:
                 self._rounded = True
-                self._fix.begin(ROUND)
+                self._fix.begin(FULL_SWEEP)
                 return STOP
             if not self._approaching:
                 self._approaching = self._astray = True
@@ -386,7 +386,7 @@ class LocalExploration(Behavior):
         self._approached += abs(context.distance)
         points = obstacles(percept, context.geometry)
         if self._approached >= self.config.approach or not is_free(points, context.geometry, 0.02, 0.005):
-            self._fix.begin(ROUND)
+            self._fix.begin(FULL_SWEEP)
             self.fire("near_enough")
             return STOP
         return self._steer(self.config.speed, error, context)

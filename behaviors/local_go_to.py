@@ -8,10 +8,10 @@ from enum import Enum
 from typing import Any
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
-from ..agent.estimation.landmarks import ROCK, LocalFix
+from ..agent.estimation.landmarks import SHORT_SWEEP, LandmarkFix
 from ..agent.estimation.local_filter import LocalPose
-from ..agent.goals import GoThrough, PlacesDriven
-from ..agent.local_goals import GoByWalls, PlacesByWalls
+from ..agent.goals import DrivePath, PlacesDriven
+from ..agent.local_goals import DrivePathWithLandmarks, PlacesByWalls
 from ..agent.motion import drive_command, is_free, obstacles, shy_turn, spin_command
 from ..world.robot import STOP, Percept, Pose, RobotGeometry, WheelCommand, wrap_angle
 
@@ -42,10 +42,10 @@ class LocalGoing(Enum):
 
 
 class LocalGoTo(Behavior):
-    """Drives through places of a local map. Goal: `agent.goals.GoThrough`. Result: `PlacesDriven`.
+    """Drives through places of a local map. Goal: `agent.goals.DrivePath`. Result: `PlacesDriven`.
 
-    With a goal `agent.local_goals.GoByWalls` the walls that its turns sweep correct the pose, and the result
-    is `PlacesByWalls`.
+    With a goal `agent.local_goals.DrivePathWithLandmarks` the walls that its turns sweep correct the pose,
+    and the result is `PlacesByWalls`.
 
     An obstacle on the way: it goes back to the place before and gives up, so that the caller can remember the
     blocked edge and plan anew.
@@ -74,22 +74,22 @@ class LocalGoTo(Behavior):
         self._reached = 0
         self._from = (0.0, 0.0)
         self._pose = LocalPose()
-        self._fix = LocalFix(RobotGeometry(), self._pose, landmarks=False)
+        self._fix = LandmarkFix(RobotGeometry(), self._pose, landmarks=False)
 
     def on_start(self, goal: Any, context: Context) -> None:
-        """Takes a `GoThrough` or `GoByWalls` goal. Raises: TypeError for anything else."""
-        if isinstance(goal, GoByWalls):
+        """Takes a `DrivePath` or `DrivePathWithLandmarks` goal. Raises: TypeError for anything else."""
+        if isinstance(goal, DrivePathWithLandmarks):
             self._pose = LocalPose.of(goal.belief)
             self._fix_at_end = goal.fix
-        elif isinstance(goal, GoThrough):
+        elif isinstance(goal, DrivePath):
             self._pose = LocalPose(goal.start[2])
             self._pose.x, self._pose.y = goal.start[:2]
         else:
-            raise TypeError(f"{self.name} needs a GoThrough goal or GoByWalls, not {goal!r}")
-        self._by_walls = isinstance(goal, GoByWalls)
+            raise TypeError(f"{self.name} needs a DrivePath goal or DrivePathWithLandmarks, not {goal!r}")
+        self._by_walls = isinstance(goal, DrivePathWithLandmarks)
         self._places = list(goal.places)
         self._heading = goal.heading
-        self._fix = LocalFix(context.geometry, self._pose, landmarks=self._by_walls)
+        self._fix = LandmarkFix(context.geometry, self._pose, landmarks=self._by_walls)
         self._from = (self._pose.x, self._pose.y)
 
     @property
@@ -165,7 +165,7 @@ class LocalGoTo(Behavior):
                 return spin_command(context.geometry, remaining, speed)
         if self._fix_at_end and not again:
             turn = self._fix.turn_to_see() if heading is None else 0.0
-            self._fix.begin((turn, *ROCK))
+            self._fix.begin((turn, *SHORT_SWEEP))
             self.fire("fix")
         else:
             self._end(True, "arrived")

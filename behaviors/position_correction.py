@@ -13,7 +13,7 @@ from typing import Any
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
 from ..agent.events import CornerReached, Event
-from ..agent.goals import Follow, FollowFrom, ReturnToCorner
+from ..agent.goals import Follow, FollowFrom, ReacquireCorner
 from ..agent.motion import drive_command, is_free, obstacles, spin_command
 from ..agent.perception.side_view import SideView, WallFilter
 from ..world.robot import STOP, Percept, WheelCommand
@@ -63,7 +63,7 @@ class Correcting(Enum):
 
 
 class PositionCorrection(Behavior):
-    """Comes to the corner again. Goal: `agent.goals.ReturnToCorner`. Result: the `CornerReached` heard."""
+    """Comes to the corner again. Goal: `agent.goals.ReacquireCorner`. Result: the `CornerReached` heard."""
 
     name = "position-correction"
     priority = 30
@@ -82,7 +82,7 @@ class PositionCorrection(Behavior):
 
     def on_reset(self) -> None:
         """Forgets the corner."""
-        self._goal: ReturnToCorner | None = None
+        self._goal: ReacquireCorner | None = None
         self._view: SideView | None = None
         self._angles: list[float] = []
         self._ticks = 0
@@ -98,9 +98,9 @@ class PositionCorrection(Behavior):
         self._heard: CornerReached | None = None
 
     def on_start(self, goal: Any, context: Context) -> None:
-        """Takes a `ReturnToCorner` goal. Raises: TypeError for anything else."""
-        if not isinstance(goal, ReturnToCorner):
-            raise TypeError(f"{self.name} needs a ReturnToCorner goal, not {goal!r}")
+        """Takes a `ReacquireCorner` goal. Raises: TypeError for anything else."""
+        if not isinstance(goal, ReacquireCorner):
+            raise TypeError(f"{self.name} needs a ReacquireCorner goal, not {goal!r}")
         self._goal = goal
         self._view = SideView(context.geometry, goal.side)
 

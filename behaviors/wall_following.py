@@ -383,8 +383,8 @@ class WallFollowing(Behavior):
                 path_length=path,
                 heading=self._wall_direction(context),
                 turn=remaining * (self._view.sign if self._view is not None else 1.0),
-                crook=course.crook,
-                blind=blind,
+                max_heading_change=course.max_heading_change,
+                unobserved_length=blind,
             ),
             context,
         )

@@ -18,7 +18,7 @@ from ..agent.agent import Agent
 from ..agent.behavior import Behavior, check_declarations
 from ..agent.containment import check_proposal, describe
 from ..agent.events import BehaviorFaulted, Event
-from ..agent.goals import ExploreLocally, Follow, FollowFrom, GoAlong, GoThrough, Leg, ReturnToCorner
+from ..agent.goals import DrivePath, ExploreLocally, Follow, FollowFrom, GoAlong, Leg, ReacquireCorner
 from ..agent.handle import Limits
 from ..world.robot import EPUCK, Percept
 from .diagram import edges
@@ -27,8 +27,8 @@ from .testing.trial import FAR, ScriptedRobot, Trial, percept
 _EXAMPLES: dict[str, Any] = {
     "go-to-node": GoAlong((Leg(0, 1, "right", 0.3, "concave", 0.0, FollowFrom.WALL),)),
     "local-exploration": ExploreLocally(),
-    "local-go-to": GoThrough(((0.05, 0.0), (0.05, 0.05))),
-    "position-correction": ReturnToCorner("right", "concave", 0.3),
+    "local-go-to": DrivePath(((0.05, 0.0), (0.05, 0.05))),
+    "position-correction": ReacquireCorner("right", "concave", 0.3),
     "wall-following": Follow("right"),
 }
 """Goals for built-in behaviors that name none themselves."""

@@ -2,8 +2,8 @@
 
 A corner that may be an earlier one is not made a node: the corners after it must agree with those that
 followed then. Several corners may be the one at which the loop closes; each is pursued until the corners
-after it speak against it. `Circuit` keeps what is undecided, so that a mapper only acts on what is certain. A
-boundary that stands apart from the first has a circuit of its own.
+after it speak against it. `LoopDetector` keeps what is undecided, so that a mapper only acts on what is
+certain. A boundary that stands apart from the first has a circuit of its own.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from itertools import pairwise
 from typing import Any
 
 from ..events import CornerReached
-from .trace import BEND, WEAK, BoundaryTrace, ClosingConfig, Corner, Way
+from .trace import BEND, WEAK, BoundaryTrace, ClosingConfig, Corner, WallSegment
 
 
 class Finding(Enum):
@@ -27,7 +27,7 @@ class Finding(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Met:
+class CornerObservation:
     """A corner met: its index in the trace, the event that told of it, and the earlier corner it seems."""
 
     index: int
@@ -40,17 +40,17 @@ class Judgement:
     """finding: what the corner at hand is. rejected: corners taken for known ones that are new after all."""
 
     finding: Finding
-    rejected: tuple[Met, ...] = ()
+    rejected: tuple[CornerObservation, ...] = ()
 
 
 @dataclass(slots=True)
-class Trail:
+class LoopHypothesis:
     """Corners met that seem to be earlier ones, from the one at which the loop would have closed.
 
     past: how far (m) that one lies beyond the node it is taken for; bends are not met at the same place.
     """
 
-    mets: list[Met]
+    mets: list[CornerObservation]
     past: float = 0.0
 
     @property
@@ -59,7 +59,7 @@ class Trail:
         return sum(met.known is not None for met in self.mets) - 1
 
 
-class Circuit:
+class LoopDetector:
     """Follows one boundary corner by corner, until it has come round.
 
     trace: its shape. node_of: index in the trace -> node of the map, filled in by the mapper. closing: how
@@ -71,21 +71,21 @@ class Circuit:
         self.config = config
         self.trace = BoundaryTrace(config)
         self.node_of: dict[int, int] = {}
-        self.closing: Trail | None = None
-        self._trails: list[Trail] = []
-        self._undecided: list[Met] = []
+        self.closing: LoopHypothesis | None = None
+        self._trails: list[LoopHypothesis] = []
+        self._undecided: list[CornerObservation] = []
 
-    def reach(self, event: CornerReached, way: Way | None = None, bends: bool = True) -> Judgement:
+    def reach(self, event: CornerReached, way: WallSegment | None = None, bends: bool = True) -> Judgement:
         """Takes the next corner, and the way to it if that is not straight.
 
         bends: whether path integration is good enough to tell the bends of a wall without corners apart.
         """
-        met = Met(self.trace.reach(event.kind, event.path_length, way), event)
+        met = CornerObservation(self.trace.reach(event.kind, event.path_length, way), event)
         self._undecided.append(met)
         self._trails = [trail for trail in self._trails if self._leads_on(trail, met)]
         candidate = self.trace.candidate(bends)
         if candidate is not None and self._is_place(candidate):
-            self._trails.append(Trail([replace(met, known=candidate)], self.trace.past(candidate)))
+            self._trails.append(LoopHypothesis([replace(met, known=candidate)], self.trace.past(candidate)))
         if not self._trails:
             new, self._undecided = tuple(self._undecided[:-1]), []
             return Judgement(Finding.NEW, new)
@@ -101,7 +101,7 @@ class Circuit:
         """Whether corner `index` is a node, or becomes one unless the loop closes before."""
         return index in self.node_of or any(index == each.index for each in self._undecided)
 
-    def _leads_on(self, trail: Trail, met: Met) -> bool:
+    def _leads_on(self, trail: LoopHypothesis, met: CornerObservation) -> bool:
         """Whether a trail may be right with this corner too, which it then has."""
         *_, last = (each for each in trail.mets if each.known is not None)
         assert last.known is not None
@@ -116,7 +116,7 @@ class Circuit:
 
     # --- once it has closed ----------------------------------------------------------------------------
 
-    def _closed(self) -> Trail:
+    def _closed(self) -> LoopHypothesis:
         if self.closing is None:
             raise RuntimeError("the loop has not closed yet")
         return self.closing
@@ -159,7 +159,7 @@ class Circuit:
                     each.kind,
                     each.length,
                     each.turn,
-                    each.way and [each.way.ahead, each.way.aside, each.way.swing],
+                    each.way and [each.way.dx, each.way.dy, each.way.dtheta],
                 ]
                 for each in self.trace.corners
             ],
@@ -171,12 +171,14 @@ class Circuit:
     def restore(self, state: Mapping[str, Any]) -> None:
         """Goes back to a `state`."""
         self.trace.corners = [
-            Corner(kind, length, turn, Way(*way[0]) if way and way[0] else None)
+            Corner(kind, length, turn, WallSegment(*way[0]) if way and way[0] else None)
             for kind, length, turn, *way in state["corners"]
         ]
         self.node_of = {int(index): int(node) for index, node in state["nodes"]}
         self._undecided = [_met(*values) for values in state.get("undecided", ())]
-        self._trails = [Trail([_met(*met) for met in mets], past) for past, mets in state.get("trails", ())]
+        self._trails = [
+            LoopHypothesis([_met(*met) for met in mets], past) for past, mets in state.get("trails", ())
+        ]
 
 
 def _may_be_missed(event: CornerReached, corners: bool) -> bool:
@@ -186,9 +188,9 @@ def _may_be_missed(event: CornerReached, corners: bool) -> bool:
     return event.kind == "concave" and abs(event.turn) < WEAK
 
 
-def _plain(met: Met) -> list[Any]:
+def _plain(met: CornerObservation) -> list[Any]:
     return [met.index, asdict(met.event), met.known]
 
 
-def _met(index: int, event: Mapping[str, Any], known: int | None) -> Met:
-    return Met(index, CornerReached(**event), known)
+def _met(index: int, event: Mapping[str, Any], known: int | None) -> CornerObservation:
+    return CornerObservation(index, CornerReached(**event), known)

@@ -3,7 +3,7 @@
 A trace is a chain: corner 0, the way to corner 1, corner 1, ... Its frame has corner 0 at the origin and x
 along the wall by which corner 0 was reached. Turns are the walls' own (from tangent to tangent), so the error
 of path integration does not add up along walls; where every turn is close to a quarter, quarters are taken.
-A wall that is not straight keeps the shape that path integration gave it: a `Way`.
+A wall that is not straight keeps the shape that path integration gave it: a `WallSegment`.
 """
 
 from __future__ import annotations
@@ -31,16 +31,16 @@ WEAK = math.radians(40.0)
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class WallSegment:
     """How a wall leads from corner to corner where it is not straight.
 
-    ahead, aside: m, from the one to the other, along and left of the wall's direction where it begins.
-    swing: rad, counter-clockwise, from its direction where it begins to that where it ends.
+    dx, dy: m, from the one to the other, along and left of the wall's direction where it begins.
+    dtheta: rad, counter-clockwise, from its direction where it begins to that where it ends.
     """
 
-    ahead: float
-    aside: float
-    swing: float
+    dx: float
+    dy: float
+    dtheta: float
 
 
 @dataclass(slots=True)
@@ -55,12 +55,12 @@ class Corner:
     kind: str
     length: float
     turn: float | None = None
-    way: Way | None = None
+    way: WallSegment | None = None
 
     @property
-    def step(self) -> Way:
+    def step(self) -> WallSegment:
         """The way from the corner before, straight or not."""
-        return self.way or Way(self.length, 0.0, 0.0)
+        return self.way or WallSegment(self.length, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +90,7 @@ class BoundaryTrace:
     config: ClosingConfig = field(default_factory=ClosingConfig)
     corners: list[Corner] = field(default_factory=list)
 
-    def reach(self, kind: str, length: float, way: Way | None = None) -> int:
+    def reach(self, kind: str, length: float, way: WallSegment | None = None) -> int:
         """Adds a corner, `length` m after the last, and returns its index. way: None if straight."""
         first = not self.corners
         self.corners.append(Corner(kind, 0.0 if first else length, None, None if first else way))
@@ -105,7 +105,7 @@ class BoundaryTrace:
     def is_right_angled(self) -> bool:
         """Whether all turns known so far are quarters, but for what measuring them costs."""
         turns = [corner.turn for corner in self.corners if corner.turn is not None]
-        turns += [corner.way.swing for corner in self.corners if corner.way is not None]
+        turns += [corner.way.dtheta for corner in self.corners if corner.way is not None]
         squares = [(turn - _QUARTER * round(turn / _QUARTER)) ** 2 for turn in turns]
         return bool(squares) and math.sqrt(sum(squares) / len(squares)) <= self.config.square_limit
 
@@ -116,9 +116,9 @@ class BoundaryTrace:
         x = y = heading = 0.0
         for corner in self.corners:
             step = corner.step
-            x += step.ahead * math.cos(heading) - step.aside * math.sin(heading)
-            y += step.ahead * math.sin(heading) + step.aside * math.cos(heading)
-            heading += 0.0 if square else step.swing
+            x += step.dx * math.cos(heading) - step.dy * math.sin(heading)
+            y += step.dx * math.sin(heading) + step.dy * math.cos(heading)
+            heading += 0.0 if square else step.dtheta
             poses.append(Pose(x, y, heading))
             turn = corner.turn or 0.0
             heading += _QUARTER * round(turn / _QUARTER) if square else turn
@@ -192,17 +192,17 @@ class BoundaryTrace:
         turns = [corner.turn or 0.0 for corner in self.corners[index:-1]]
         steps = [corner.step for corner in self.corners[index + 1 :]]
         shares = [1.0 if abs(turn - _QUARTER * round(turn / _QUARTER)) > 0.1 else 0.1 for turn in turns]
-        total = sum(turns) + sum(step.swing for step in steps)
-        weights = sum(shares) + sum(_SWING_SHARE for step in steps if step.swing)
+        total = sum(turns) + sum(step.dtheta for step in steps)
+        weights = sum(shares) + sum(_SWING_SHARE for step in steps if step.dtheta)
         lack = (math.copysign(math.tau, total) - total) / weights
         x = y = heading = 0.0
         for turn, share, step in zip(turns, shares, steps, strict=True):
-            swung = _SWING_SHARE * lack if step.swing else 0.0
+            swung = _SWING_SHARE * lack if step.dtheta else 0.0
             heading += turn + lack * share
             middle = heading + 0.5 * swung
-            x += step.ahead * math.cos(middle) - step.aside * math.sin(middle)
-            y += step.ahead * math.sin(middle) + step.aside * math.cos(middle)
-            heading += step.swing + swung
+            x += step.dx * math.cos(middle) - step.dy * math.sin(middle)
+            y += step.dx * math.sin(middle) + step.dy * math.cos(middle)
+            heading += step.dtheta + swung
         return x, y
 
     def _length_slack(self, index: int) -> float:

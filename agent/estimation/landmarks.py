@@ -12,19 +12,20 @@ from ..perception.obstacle_map import ObstacleMemory
 from ..perception.wall_scan import WallScan
 from .local_filter import LocalPose
 
-ROCK = (math.radians(36.0), math.radians(-72.0), math.radians(36.0))
+SHORT_SWEEP = (math.radians(36.0), math.radians(-72.0), math.radians(36.0))
 """Turns (rad) that lead every infrared sensor to and fro: together they sweep nearly the whole round."""
-ROUND = (math.tau,)
-LOOKOUT = 0.035
+FULL_SWEEP = (math.tau,)
+VANTAGE_POINT = 0.035
 """How near (m) the robot must be to a wall's lookout to count on seeing that wall."""
 _THERE = 0.006
 
 
-class LocalFix:
+class LandmarkFix:
     """Keeps a `LocalPose` while a behavior drives, and corrects it by the walls that turns in place sweep.
 
     `integrate` every tick, `sweep` while turning, `correct` when a turn is over. A fix of its own is a turn
-    to and fro (`ROCK`, short, so that little is lost by odometry on the way) or right round (`ROUND`).
+    to and fro (`SHORT_SWEEP`, short, so that little is lost by odometry on the way) or right round
+    (`FULL_SWEEP`).
     """
 
     def __init__(self, geometry: RobotGeometry, pose: LocalPose, landmarks: bool = True) -> None:
@@ -70,7 +71,7 @@ class LocalFix:
         faces = (0.0, *self._geometry.infrared_angles)
         turns = []
         for mark in pose.landmarks:
-            if math.dist(mark.lookout, (pose.x, pose.y)) < LOOKOUT:
+            if math.dist(mark.lookout, (pose.x, pose.y)) < VANTAGE_POINT:
                 away = mark.offset - pose.x * math.cos(mark.normal) - pose.y * math.sin(mark.normal)
                 turn = min((wrap_angle(mark.normal - pose.heading - face) for face in faces), key=abs)
                 turns.append((away, turn))

@@ -40,8 +40,8 @@ class Landmark:
 class LocalPose:
     """Extended Kalman filter of the pose (m, rad) in the local frame; the heading is not wrapped.
 
-    The state is (x, y, heading, veer): what unequal wheels turn in a meter (rad) is an error that goes on in
-    the same way, and known walls tell it too.
+    The state is (x, y, heading, drift_rate): what unequal wheels turn in a meter (rad) is an error that
+    goes on in the same way, and known walls tell it too.
 
     Walls met while the pose is well known become landmarks that correct it later. square: all walls stand at
     right angles to the frame's axes, so that a wall tells the heading even when first met.
@@ -53,21 +53,21 @@ class LocalPose:
     drive_noise = 0.0035
     drift = 0.05
 
-    def __init__(self, heading: float = 0.0, square: bool = False, veer: float = 0.0) -> None:
+    def __init__(self, heading: float = 0.0, square: bool = False, drift_rate: float = 0.0) -> None:
         """At the origin, well known, with the heading of a wall just followed.
 
-        veer: standard deviation (rad/m) of what the wheels may still turn unnoticed.
+        drift_rate: standard deviation (rad/m) of what the wheels may still turn unnoticed.
         """
         self.x = self.y = 0.0
         self.heading = heading
-        self.veer = 0.0
+        self.drift_rate = 0.0
         self.square = square
         self.landmarks: list[Landmark] = []
         self._xx = self._yy = 1e-6
         self._xy = self._xt = self._yt = 0.0
         self._tt = _HEADING**2
         self._xv = self._yv = self._tv = 0.0
-        self._vv = veer * veer
+        self._vv = drift_rate * drift_rate
 
     @property
     def pose(self) -> Pose:
@@ -91,7 +91,7 @@ class LocalPose:
 
     def move(self, distance: float, turn: float) -> None:
         """One tick of path integration (m, rad)."""
-        turn += self.veer * distance
+        turn += self.drift_rate * distance
         middle = self.heading + 0.5 * turn
         dx, dy = distance * math.cos(middle), distance * math.sin(middle)
         self.x += dx
@@ -136,7 +136,7 @@ class LocalPose:
     def belief(self) -> LocalBelief:
         """All that is held, as plain data."""
         return LocalBelief(
-            (self.x, self.y, self.heading, self.veer),
+            (self.x, self.y, self.heading, self.drift_rate),
             (self._xx, self._xy, self._xt, self._yy, self._yt, self._tt),
             (self._xv, self._yv, self._tv, self._vv),
             tuple(
@@ -151,8 +151,8 @@ class LocalPose:
         """The pose of a `belief`."""
         pose = cls(belief.pose[2], belief.square)
         pose.x, pose.y = belief.pose[:2]
-        pose.veer = belief.pose[3]
-        pose._xv, pose._yv, pose._tv, pose._vv = belief.veer
+        pose.drift_rate = belief.pose[3]
+        pose._xv, pose._yv, pose._tv, pose._vv = belief.drift_rate
         pose._xx, pose._xy, pose._xt, pose._yy, pose._yt, pose._tt = belief.covariance
         pose.landmarks = [Landmark(*wall[:4], wall[4:]) for wall in belief.walls]
         return pose
@@ -226,7 +226,7 @@ class LocalPose:
         if error * error > _GATE * total:
             return False
         kx, ky, kt, kv = px / total, py / total, pt / total, pv / total
-        self.veer += kv * error
+        self.drift_rate += kv * error
         self.x += kx * error
         self.y += ky * error
         self.heading += kt * error

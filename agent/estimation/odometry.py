@@ -58,7 +58,7 @@ class PathIntegrator:
         self.travelled += self.distance
 
     @property
-    def veer(self) -> float:
+    def drift_rate(self) -> float:
         """Standard deviation (rad/m) of what unequal wheels turn unnoticed."""
         return self.mismatch_deviation / self._track
 

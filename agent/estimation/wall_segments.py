@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from ...world.robot import Pose, wrap_angle
-from ..boundary.trace import BEND, Way
+from ..boundary.trace import BEND, WallSegment
 from .wheel_calibration import MismatchEstimate, is_even
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class _Passed:
     settled: float | None = None
 
 
-class WayMeter:
+class WallSegmentMeter:
     """Follows what the wall follower tells from corner to corner. mismatch: what is known of the wheels."""
 
     def __init__(self, odometry: PathIntegrator, track: float, learn: bool = True) -> None:
@@ -69,7 +69,7 @@ class WayMeter:
         """The robot stands where the next way begins."""
         self._left = self._odometry.pose
 
-    def arrive(self, event: CornerReached) -> tuple[CornerReached, Way | None] | None:
+    def arrive(self, event: CornerReached) -> tuple[CornerReached, WallSegment | None] | None:
         """The corner with the whole length of the way to it, and that way if it is not straight.
 
         None if it is no bend after all.
@@ -99,16 +99,18 @@ class WayMeter:
             self._wall = replace(self._wall, heading=wrap_angle(self._wall.heading + turned - learned))
         self._left = None
 
-    def _way(self, event: CornerReached, swing: float) -> Way | None:
+    def _way(self, event: CornerReached, swing: float) -> WallSegment | None:
         if self._wall is None:
             return None
         if self._left is not None:
             begin = Pose(self._left.x, self._left.y, self._wall.heading - self._passed.swing)
             end = begin.relative(self._odometry.pose)
             if not self._is_straight(event, swing, math.hypot(end.x, end.y)):
-                return Way(end.x, end.y, swing)
+                return WallSegment(end.x, end.y, swing)
         if self._learn and is_even(event):
-            self.mismatch.straight(self._track, swing, event.path_length - self._settled - event.blind)
+            self.mismatch.straight(
+                self._track, swing, event.path_length - self._settled - event.unobserved_length
+            )
             self.mismatch.apply(self._odometry)
         return None
 

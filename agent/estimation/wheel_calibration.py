@@ -74,7 +74,7 @@ class MismatchEstimate:
 
 def is_even(event: CornerReached) -> bool:
     """Whether the wall just followed bends nowhere by more than unequal wheels make it seem."""
-    return event.kind != BEND and event.crook < _CROOKED
+    return event.kind != BEND and event.max_heading_change < _CROOKED
 
 
 class MismatchLearner:
@@ -104,6 +104,8 @@ class MismatchLearner:
             return
         turned = wrap_angle(event.heading - wall.heading)
         self.estimate.straight(
-            self._agent.robot.geometry.track, turned, event.path_length - wall.path_length - event.blind
+            self._agent.robot.geometry.track,
+            turned,
+            event.path_length - wall.path_length - event.unobserved_length,
         )
         self.estimate.apply(self._agent.odometry)

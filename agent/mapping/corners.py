@@ -15,9 +15,9 @@ from enum import Enum
 from typing import TYPE_CHECKING, Any
 
 from ...world.robot import Percept, wrap_angle
-from ..boundary.loop_closing import Circuit, Finding, Met
+from ..boundary.loop_closing import CornerObservation, Finding, LoopDetector
 from ..boundary.trace import BEND, BoundaryTrace, ClosingConfig
-from ..estimation.wall_segments import WayMeter
+from ..estimation.wall_segments import WallSegmentMeter
 from ..estimation.wheel_calibration import SETTLED, MismatchEstimate
 from ..events import (
     ArcAdded,
@@ -29,7 +29,7 @@ from ..events import (
     NodeCreated,
     WallMet,
 )
-from ..goals import ExploreLocally, Follow, FollowFrom, GoAlong, Leg, LocalSamples, ReturnToCorner
+from ..goals import ExploreLocally, Follow, FollowFrom, GoAlong, Leg, LocalSamples, ReacquireCorner
 from ..local_goals import walls_at
 
 if TYPE_CHECKING:
@@ -105,9 +105,9 @@ class Mapper:
         self.agent = agent
         self.map = hybrid_map
         self.config = config
-        self.circuit = Circuit(config.closing)
+        self.circuit = LoopDetector(config.closing)
         track = agent.robot.geometry.track
-        self.meter = WayMeter(agent.odometry, track, config.learn_mismatch)
+        self.meter = WallSegmentMeter(agent.odometry, track, config.learn_mismatch)
         self.phase = Phase.FOLLOW
         self.reason = ""
         self.current = -1
@@ -305,7 +305,7 @@ class Mapper:
         edge = (-distance, -distance if self.config.side == "right" else distance)
         points = (edge,) if self._corner.kind == "convex" else ()
         return ExploreLocally(
-            strategy, heading, walls, square, self._corner.kind, points, self.agent.odometry.veer
+            strategy, heading, walls, square, self._corner.kind, points, self.agent.odometry.drift_rate
         )
 
     def _add_arc(self, source: int, target: int, distance: float) -> None:
@@ -340,7 +340,7 @@ class Mapper:
         if len(self.trace.corners) > 1 and self.trace.corners[-2].kind == "convex":
             # The wall begins only that much after the node before, and its end is seen blurred.
             length -= self.config.wall_distance + 0.015
-        self.agent.start("position-correction", ReturnToCorner(self.config.side, self._corner.kind, length))
+        self.agent.start("position-correction", ReacquireCorner(self.config.side, self._corner.kind, length))
 
     def _commit(self) -> None:
         """The node is complete: says so, and drives on."""
@@ -359,7 +359,7 @@ class Mapper:
         start = _START_AT[self._corner.kind]
         self.agent.start("wall-following", Follow(self.config.side, start, self._corner.turn))
 
-    def _admit(self, rejected: tuple[Met, ...]) -> None:
+    def _admit(self, rejected: tuple[CornerObservation, ...]) -> None:
         """They were other places after all: what was taken for known corners becomes nodes, unexplored."""
         for met in rejected:
             self._add_node(met.index, met.event)

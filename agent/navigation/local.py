@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 from ...maps.errors import MapError
 from ...world.robot import Pose
 from ..boundary.trace import ClosingConfig
-from ..estimation.landmarks import LOOKOUT
+from ..estimation.landmarks import VANTAGE_POINT
 from ..estimation.local_filter import LocalPose
 from ..events import BehaviorFinished
-from ..goals import GoThrough, PlacesDriven
-from ..local_goals import GoByWalls, PlacesByWalls, walls_at
+from ..goals import DrivePath, PlacesDriven
+from ..local_goals import DrivePathWithLandmarks, PlacesByWalls, walls_at
 
 if TYPE_CHECKING:
     from ...maps.hybrid_map import HybridMap
@@ -54,7 +54,7 @@ class LocalNavigator:
         self._units: list[int] = []
         self._ahead: list[int] = []
         self._homeward = False
-        self._belief = LocalPose(square=self._square, veer=self.agent.odometry.veer)
+        self._belief = LocalPose(square=self._square, drift_rate=self.agent.odometry.drift_rate)
         if self._landmarks:
             walls = walls_at(self._side, self._corner, square=self._square, distance=_WALL_DISTANCE)
             self._belief.know_corner(self._corner, walls if self._corner != "none" else ())
@@ -76,7 +76,7 @@ class LocalNavigator:
         found = {}
         for mark in self._belief.lookouts() if self._landmarks else ():
             unit = self.local_map.nearest_unit(*mark.lookout)
-            if math.dist(self.local_map.position(unit), mark.lookout) < LOOKOUT:
+            if math.dist(self.local_map.position(unit), mark.lookout) < VANTAGE_POINT:
                 found[unit] = mark.lookout
         return found
 
@@ -109,9 +109,9 @@ class LocalNavigator:
             places.append(lookouts[goal])
         start = (self.pose.x, self.pose.y, self.pose.heading)
         heading = 0.0 if home else None
-        ask: GoThrough | GoByWalls = GoThrough(tuple(places), start, heading)
+        ask: DrivePath | DrivePathWithLandmarks = DrivePath(tuple(places), start, heading)
         if self._landmarks:
-            ask = GoByWalls(tuple(places), self._belief.belief(), heading, fix)
+            ask = DrivePathWithLandmarks(tuple(places), self._belief.belief(), heading, fix)
         self.agent.start("local-go-to", ask)
 
     def _on_finished(self, event: BehaviorFinished) -> None:

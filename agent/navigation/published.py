@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from ...maps.errors import MapError
 from ...world.robot import Percept, Pose
 from ..events import BehaviorFinished, Lost, NodePassed, NodeReached
-from ..goals import Follow, GoThrough, Leg, LegDriven, LookAround, PlacesDriven
+from ..goals import DrivePath, Follow, Leg, LegDriven, LookAround, PlacesDriven
 
 if TYPE_CHECKING:
     from ...maps.hybrid_map import Arc, HybridMap
@@ -198,7 +198,7 @@ class ThesisNavigator:
         x, y = (float(value) for value in estimate.position)
         self.corrections.append(Correction(self.node, (x, y), estimate.distance))
         self._phase = Driving.CENTER
-        self.agent.start("local-go-to", GoThrough(((0.0, 0.0),), (x, y, 0.0), 0.0))
+        self.agent.start("local-go-to", DrivePath(((0.0, 0.0),), (x, y, 0.0), 0.0))
 
     def _take_pose(self) -> None:
         if self._face and self.facing != self.map.meta.side:
@@ -227,7 +227,7 @@ class ThesisNavigator:
             else:
                 # An obstacle bars the way to the middle: it turns to the entry heading where it stands.
                 pose = event.result.pose
-                self.agent.start("local-go-to", GoThrough((), (pose.x, pose.y, pose.heading), 0.0))
+                self.agent.start("local-go-to", DrivePath((), (pose.x, pose.y, pose.heading), 0.0))
 
     def _give_up(self, reason: str) -> None:
         self.agent.stop("reactive-wall-following")

@@ -66,7 +66,7 @@ class AnyNavigator(Protocol):
         """Hears no more events; called when the map is put away."""
 
 
-class Guide:
+class RecoveringNavigator:
     """Takes the robot to nodes of one map, one trip after the other. Call `update` once a tick during a trip.
 
     done, reached, reason: how the last trip stands. Of it, all attempts together: `legs`, the arcs driven;

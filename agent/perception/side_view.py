@@ -210,13 +210,13 @@ class WallCourse:
     Odometry of unequal wheels turns along a straight wall too, but evenly and little within 10 cm.
     """
 
-    __slots__ = ("_directions", "_next", "crook")
+    __slots__ = ("_directions", "_next", "max_heading_change")
 
     def __init__(self) -> None:
         """Nothing is known of the wall yet."""
         self._directions: list[float] = []
         self._next = 0.0
-        self.crook = 0.0
+        self.max_heading_change = 0.0
 
     def take(self, path: float, direction: float) -> bool:
         """Takes the wall's direction after `path` m of it; whether it was kept."""
@@ -225,7 +225,9 @@ class WallCourse:
         self._next = path + _SPACING - 1e-6
         kept = self._directions
         kept.append(kept[-1] + wrap_angle(direction - kept[-1]) if kept else direction)
-        self.crook = max(self.crook, abs(kept[-1] - kept[max(0, len(kept) - 1 - _SPAN)]))
+        self.max_heading_change = max(
+            self.max_heading_change, abs(kept[-1] - kept[max(0, len(kept) - 1 - _SPAN)])
+        )
         return True
 
     @property

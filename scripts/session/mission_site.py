@@ -11,7 +11,7 @@ from ...agent.events import CornerReached, Event, LocalMapBuilt, NodeCreated, St
 from ...agent.goals import LocalSamples
 from ...agent.missions.steps import Explore
 from ...agent.missions.tasks import Outcome
-from ...agent.navigation.recovery import Guide
+from ...agent.navigation.recovery import RecoveringNavigator
 from ...maps.hybrid_map import HybridMap
 from ...maps.local.local_map import LocalMap
 from ...maps.storage.map_file import RUN, MapFile, read_truth
@@ -91,7 +91,7 @@ class Mapping:
 class Trip:
     """A trip under way, as a mission's job."""
 
-    guide: Guide
+    guide: RecoveringNavigator
 
     @property
     def outcome(self) -> Outcome | None:
@@ -117,7 +117,7 @@ class RobotSite:
         self.session, self.index = session, index
         self.agent = make_agent(request, session.world, session.settings, index)
         self.map: HybridMap | None = None
-        self.guide: Guide | None = None
+        self.guide: RecoveringNavigator | None = None
         self.whereabouts = "no map was made or loaded"
         self._mapping: Mapping | None = None
         self.truth: dict[int, Pose] = {}
@@ -263,10 +263,12 @@ class RobotSite:
             return
         profile = find_profile(self.session.request.profile)
         navigator = make_navigator(profile, self.agent, self._map(), node, arrival)
-        self.guide = Guide(self.agent, self._map(), navigator, localizes=profile.navigator == "corners")
+        self.guide = RecoveringNavigator(
+            self.agent, self._map(), navigator, localizes=profile.navigator == "corners"
+        )
 
     def _stand_nowhere(self, near: tuple[int, ...] = ()) -> None:
-        """The robot is somewhere in the map there is now. near: as for `Guide.lose`."""
+        """The robot is somewhere in the map there is now. near: as for `RecoveringNavigator.lose`."""
         nodes = self.nodes()
         if nodes:
             self._stand_at(nodes[0], self._map().meta.side)

@@ -14,7 +14,7 @@ from ...agent.events import Stuck
 from ...agent.goals import LegDriven
 from ...agent.localization.localizer import Localizer
 from ...agent.navigation.corners import Navigator
-from ...agent.navigation.recovery import TIME_PER_METER, AnyNavigator, Guide
+from ...agent.navigation.recovery import TIME_PER_METER, AnyNavigator, RecoveringNavigator
 from ...maps.hybrid_map import HybridMap
 from ...maps.meta import MapMeta
 from ...maps.storage.map_file import MapFile, Truth, read_truth
@@ -158,7 +158,9 @@ class Trip:
 
     def drive(self, navigator: AnyNavigator, goal: int, truth: Truth) -> GoReport:
         """Drives to the goal, by other ways where one is shut, and scores where it stops."""
-        guide = Guide(self.agent, navigator.map, navigator, localizes=isinstance(navigator, Navigator))
+        guide = RecoveringNavigator(
+            self.agent, navigator.map, navigator, localizes=isinstance(navigator, Navigator)
+        )
         guide.go(goal)
         self._run(lambda: guide.done, math.inf, f"on the way to node {goal}", guide.update)
         self._localizer = guide.localizer or self._localizer

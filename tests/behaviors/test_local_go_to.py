@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from tolman.agent import Agent
 from tolman.agent.estimation.local_filter import LocalPose
 from tolman.agent.events import BehaviorFinished
-from tolman.agent.goals import GoThrough, PlacesDriven
-from tolman.agent.local_goals import GoByWalls, walls_at
+from tolman.agent.goals import DrivePath, PlacesDriven
+from tolman.agent.local_goals import DrivePathWithLandmarks, walls_at
 from tolman.behaviors.local_go_to import LocalGoing, LocalGoTo
 from tolman.plugins.testing import Trial, assert_states, assert_valid, percept
 from tolman.plugins.testing.strategies import percept_runs
@@ -24,7 +24,7 @@ places = st.tuples(st.floats(-0.12, 0.12), st.floats(-0.12, 0.12))
 def test_in_the_open_it_comes_by_every_place_and_ends_in_the_heading(
     way: list[tuple[float, float]], heading: float
 ) -> None:
-    trial = Trial(LocalGoTo(), goal=GoThrough(tuple(way), heading=heading))
+    trial = Trial(LocalGoTo(), goal=DrivePath(tuple(way), heading=heading))
     nearest = [math.inf] * len(way)
     for _ in range(3000):
         if trial.behavior.finished:
@@ -43,7 +43,7 @@ def test_in_the_open_it_comes_by_every_place_and_ends_in_the_heading(
 
 def test_places_are_in_the_frame_that_has_its_start() -> None:
     """It stands at (0.1, 0) facing +y: the place (0.1, 0.05) is straight ahead."""
-    trial = Trial(LocalGoTo(), goal=GoThrough(((0.1, 0.05),), start=(0.1, 0.0, 0.5 * math.pi)))
+    trial = Trial(LocalGoTo(), goal=DrivePath(((0.1, 0.05),), start=(0.1, 0.0, 0.5 * math.pi)))
     trial.run(ticks=200)
     assert trial.behavior.succeeded
     assert trial.pose.x == pytest.approx(0.05, abs=0.003)
@@ -52,7 +52,7 @@ def test_places_are_in_the_frame_that_has_its_start() -> None:
 
 
 def test_a_way_that_is_blocked_from_the_start_is_given_up_without_driving() -> None:
-    trial = Trial(LocalGoTo(), goal=GoThrough(((0.08, 0.0),)))
+    trial = Trial(LocalGoTo(), goal=DrivePath(((0.08, 0.0),)))
     trial.run(percept(front=0.02), ticks=5)
     assert (trial.behavior.finished, trial.behavior.succeeded) == (True, False)
     assert trial.behavior.reason == "the way to place 0 is blocked"
@@ -61,7 +61,7 @@ def test_a_way_that_is_blocked_from_the_start_is_given_up_without_driving() -> N
 
 
 def test_an_obstacle_on_the_way_sends_it_back_to_the_place_before() -> None:
-    trial = Trial(LocalGoTo(), goal=GoThrough(((0.05, 0.0), (0.12, 0.0))))
+    trial = Trial(LocalGoTo(), goal=DrivePath(((0.05, 0.0), (0.12, 0.0))))
     while trial.behavior.result is None and trial.pose.x < 0.07:
         trial.step()
     trial.step(percept(front=0.002))
@@ -74,7 +74,7 @@ def test_an_obstacle_on_the_way_sends_it_back_to_the_place_before() -> None:
 
 
 def test_without_a_heading_it_ends_as_it_arrives() -> None:
-    trial = Trial(LocalGoTo(), goal=GoThrough(((0.0, 0.05),)))
+    trial = Trial(LocalGoTo(), goal=DrivePath(((0.0, 0.05),)))
     trial.run(ticks=200)
     assert trial.behavior.succeeded
     assert trial.pose.heading == pytest.approx(0.5 * math.pi, abs=0.02)
@@ -84,7 +84,7 @@ def test_without_a_heading_it_ends_as_it_arrives() -> None:
 @settings(max_examples=50, deadline=None)
 @given(percept_runs())
 def test_whatever_is_sensed_its_proposals_are_valid(run: list[Percept]) -> None:
-    trial = Trial(LocalGoTo(), goal=GoThrough(((0.05, 0.02), (0.0, 0.0))))
+    trial = Trial(LocalGoTo(), goal=DrivePath(((0.05, 0.02), (0.0, 0.0))))
     for sensed in run:
         if not trial.behavior.finished:
             assert_valid(trial.step(sensed))
@@ -99,8 +99,8 @@ def driven(landmarks: bool, seed: int) -> tuple[Pose, Pose]:
     pose = LocalPose(square=True)
     pose.know_corner("concave", walls_at("right", "concave", square=True, distance=0.057))
     round_ = ((-0.04, 0.0), (-0.08, 0.04), (-0.04, 0.08), (0.0, 0.04), (0.0, 0.0))
-    by_walls = GoByWalls(round_ * 2, pose.belief(), heading=0.0, fix=True)
-    agent.start("local-go-to", by_walls if landmarks else GoThrough(round_ * 2, heading=0.0))
+    by_walls = DrivePathWithLandmarks(round_ * 2, pose.belief(), heading=0.0, fix=True)
+    agent.start("local-go-to", by_walls if landmarks else DrivePath(round_ * 2, heading=0.0))
     for _ in range(8000):
         agent.tick()
         world.step()
@@ -124,5 +124,5 @@ def test_walls_known_beforehand_keep_its_pose_where_path_integration_alone_drift
 
 
 def test_only_a_go_through_goal_is_taken() -> None:
-    with pytest.raises(TypeError, match="needs a GoThrough goal"):
+    with pytest.raises(TypeError, match="needs a DrivePath goal"):
         Trial(LocalGoTo(), goal=((0.0, 0.0),))

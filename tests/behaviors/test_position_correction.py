@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from tolman.agent import Agent
 from tolman.agent.events import BehaviorFinished, CornerReached, Event
-from tolman.agent.goals import ReturnToCorner
+from tolman.agent.goals import ReacquireCorner
 from tolman.behaviors.position_correction import Correcting, PositionCorrection
 from tolman.plugins.testing import Trial, assert_in_place, assert_valid, event_of, percept
 from tolman.plugins.testing.strategies import percept_runs
@@ -26,7 +26,7 @@ def corrected(
     world = open_world("env1", engine="kinematic", noise=noise, seed=seed, start=start)
     agent, heard = Agent(world.robots[0], [PositionCorrection()]), list[Event]()
     agent.bus.subscribe(Event, heard.append)
-    agent.start("position-correction", ReturnToCorner("right", kind, 0.25))
+    agent.start("position-correction", ReacquireCorner("right", kind, 0.25))
     for _ in range(2000):
         agent.tick()
         world.step()
@@ -65,7 +65,7 @@ def test_noise_leaves_it_within_four_millimeters() -> None:
 
 
 def test_it_turns_parallel_to_the_wall_then_backs_off() -> None:
-    trial = Trial(PositionCorrection(), goal=ReturnToCorner("right", "concave", 0.3))
+    trial = Trial(PositionCorrection(), goal=ReacquireCorner("right", "concave", 0.3))
     trial.run(percept(right=GAP), ticks=9)
     for proposal in trial.proposals[:8]:
         assert_in_place(proposal)
@@ -75,7 +75,7 @@ def test_it_turns_parallel_to_the_wall_then_backs_off() -> None:
 
 
 def test_it_never_backs_off_farther_than_the_wall_leads_back() -> None:
-    trial = Trial(PositionCorrection(), goal=ReturnToCorner("left", "concave", 0.05))
+    trial = Trial(PositionCorrection(), goal=ReacquireCorner("left", "concave", 0.05))
     least = 0.0
     for _ in range(150):
         trial.step(percept(left=GAP))
@@ -84,21 +84,21 @@ def test_it_never_backs_off_farther_than_the_wall_leads_back() -> None:
 
 
 def test_something_behind_ends_the_backing() -> None:
-    trial = Trial(PositionCorrection(), goal=ReturnToCorner("right", "concave", 0.3))
+    trial = Trial(PositionCorrection(), goal=ReacquireCorner("right", "concave", 0.3))
     trial.run(percept(right=GAP), ticks=30)
     trial.step(percept(right=GAP, rear=0.004))
     assert trial.behavior.state is Correcting.MEASURE_AGAIN
 
 
 def test_without_a_corner_it_gives_up() -> None:
-    trial = Trial(PositionCorrection(), goal=ReturnToCorner("right", "concave", 0.05))
+    trial = Trial(PositionCorrection(), goal=ReacquireCorner("right", "concave", 0.05))
     trial.run(percept(right=GAP), ticks=400)
     assert (trial.behavior.finished, trial.behavior.succeeded) == (True, False)
     assert "no corner within" in trial.behavior.reason
 
 
 def test_another_kind_of_corner_is_a_failure_that_says_so() -> None:
-    trial = Trial(PositionCorrection(), goal=ReturnToCorner("right", "convex", 0.05))
+    trial = Trial(PositionCorrection(), goal=ReacquireCorner("right", "convex", 0.05))
     trial.run(percept(right=GAP), ticks=100)
     trial.run(percept(right=GAP, front=GAP - 0.002), ticks=6)
     assert (trial.behavior.finished, trial.behavior.succeeded) == (True, False)
@@ -108,14 +108,14 @@ def test_another_kind_of_corner_is_a_failure_that_says_so() -> None:
 @settings(max_examples=50, deadline=None)
 @given(percept_runs())
 def test_whatever_is_sensed_its_proposals_are_valid(run: list[Percept]) -> None:
-    trial = Trial(PositionCorrection(), goal=ReturnToCorner("left", "convex", 0.2))
+    trial = Trial(PositionCorrection(), goal=ReacquireCorner("left", "convex", 0.2))
     for sensed in run:
         if not trial.behavior.finished:
             assert_valid(trial.step(sensed))
 
 
 def test_only_a_return_to_corner_goal_is_taken() -> None:
-    with pytest.raises(TypeError, match="needs a ReturnToCorner goal, not 7"):
+    with pytest.raises(TypeError, match="needs a ReacquireCorner goal, not 7"):
         Trial(PositionCorrection(), goal=7)
 
 

@@ -117,7 +117,7 @@ def test_walls_tell_what_odometry_turned_on_the_part_of_them_that_was_seen(misma
         assert isinstance(met, WallMet)
         assert isinstance(corner, CornerReached)
         turned[corner.kind] += wrap_angle(corner.heading - met.heading)
-        seen[corner.kind] += corner.path_length - met.path_length - corner.blind
+        seen[corner.kind] += corner.path_length - met.path_length - corner.unobserved_length
     for kind, length in seen.items():
         assert -turned[kind] * EPUCK.track / length == pytest.approx(mismatch, rel=0.15)
 

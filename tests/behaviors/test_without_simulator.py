@@ -5,7 +5,7 @@ import sys
 
 TRIAL = """
 import sys
-from tolman.agent.goals import ExploreLocally, Follow, GoAlong, GoThrough, ReturnToCorner
+from tolman.agent.goals import ExploreLocally, Follow, GoAlong, DrivePath, ReacquireCorner
 from tolman.behaviors.go_to_node import GoToNode
 from tolman.behaviors.local_exploration import LocalExploration
 from tolman.behaviors.local_go_to import LocalGoTo
@@ -15,9 +15,9 @@ from tolman.plugins.testing import Trial, percept
 
 Trial(WallFollowing(), goal=Follow("right")).run(percept(right=0.022), ticks=5)
 Trial(LocalExploration(), goal=ExploreLocally()).run(ticks=5)
-Trial(PositionCorrection(), goal=ReturnToCorner("right", "concave", 0.1)).run(ticks=5)
+Trial(PositionCorrection(), goal=ReacquireCorner("right", "concave", 0.1)).run(ticks=5)
 Trial(GoToNode(), goal=GoAlong(())).run(ticks=2)
-Trial(LocalGoTo(), goal=GoThrough(((0.1, 0.0),))).run(ticks=5)
+Trial(LocalGoTo(), goal=DrivePath(((0.1, 0.0),))).run(ticks=5)
 heavy = {"dartpy", "embreex", "matplotlib", "yaml", "tolman.world.physics.dart"}
 print(" ".join(sorted(heavy & set(sys.modules))))
 """

@@ -1,1 +1,1 @@
-"""Campaigns that torment the readers of map and world files, and the writer of maps. POSIX only."""
+"""Campaigns that stress the readers of map and world files, and the writer of maps. POSIX only."""

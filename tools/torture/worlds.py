@@ -135,7 +135,7 @@ def check(name: str, seed: int) -> bool:
     return True
 
 
-def torment(name: str, mutations: int, told: Any) -> None:
+def stress(name: str, mutations: int, told: Any) -> None:
     """Checks one reader in this process and sends what came of it: valid files, faults, bytes used.
 
     Before each file its seed is sent, so that a death can be blamed on it. Memory is capped: what asks for
@@ -171,7 +171,7 @@ def campaign(name: str, mutations: int) -> tuple[int, list[str], int]:
     """(valid files, faults, bytes of memory used at most) of so many mutations for one reader."""
     context = multiprocessing.get_context("fork")
     listen, tell = context.Pipe(duplex=False)
-    process = context.Process(target=torment, args=(name, mutations, tell))
+    process = context.Process(target=stress, args=(name, mutations, tell))
     process.start()
     tell.close()
     seed: Any = None

@@ -16,7 +16,7 @@ from typing import Any
 
 from ....agent import Agent
 from ....agent.events import NodePassed
-from ....agent.goals import ReturnToCorner
+from ....agent.goals import ReacquireCorner
 from ....agent.navigation.corners import Navigator
 from ....agent.navigation.local import LocalNavigator
 from ....agent.navigation.published import Correction, ThesisNavigator
@@ -222,7 +222,7 @@ class TraversalRun:
         room = [arc.distance for arc in self.map.leaving(node) if arc.kind not in (side, "foray")]
         if corner == "none" or not room:
             return
-        self.agent.start("position-correction", ReturnToCorner(side, corner, room[0]))
+        self.agent.start("position-correction", ReacquireCorner(side, corner, room[0]))
         until = self.world.time + _TIME_AT_NODE
         while self.agent.is_active("position-correction") and self.world.time < until:
             self.agent.tick()

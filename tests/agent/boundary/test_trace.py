@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from tolman.agent.boundary.loop_closing import Circuit, Finding
-from tolman.agent.boundary.trace import BoundaryTrace, ClosingConfig, Way
+from tolman.agent.boundary.loop_closing import Finding, LoopDetector
+from tolman.agent.boundary.trace import BoundaryTrace, ClosingConfig, WallSegment
 from tolman.agent.events import CornerReached
 from tolman.world.robot import wrap_angle
 
@@ -91,7 +91,7 @@ def first_closing(
 
     resumed: whether every corner is met by a new circuit that was given the state of the one before.
     """
-    circuit = Circuit(ClosingConfig())
+    circuit = LoopDetector(ClosingConfig())
     for i in range(limit + circuit.config.confirmations + 1):
         length, turn = walls[i % len(walls)]
         judgement = circuit.reach(event(kind(turn, hand), length, turn))
@@ -104,7 +104,7 @@ def first_closing(
             circuit.node_of[i] = i
         circuit.trace.turned(turn)
         if resumed:
-            state, circuit = json.loads(json.dumps(circuit.state())), Circuit(ClosingConfig())
+            state, circuit = json.loads(json.dumps(circuit.state())), LoopDetector(ClosingConfig())
             circuit.restore(state)
     return None
 
@@ -279,13 +279,13 @@ def test_the_next_corner_is_known_by_kind_and_length_and_only_weak_ones_are_miss
     assert trace.onward(0, "convex", 1.7) is None
 
 
-def round_room(radius: float, bends: int, first: float) -> list[tuple[float, Way]]:
+def round_room(radius: float, bends: int, first: float) -> list[tuple[float, WallSegment]]:
     """(length, way) from bend to bend of a circle, each a sixth of it on; the first after `first` rad."""
     ways = []
     for i in range(bends):
         angle = first if i == 0 else math.pi / 3.0
         ahead, aside = radius * math.sin(angle), radius * (1.0 - math.cos(angle))
-        ways.append((radius * angle, Way(ahead, aside, angle)))
+        ways.append((radius * angle, WallSegment(ahead, aside, angle)))
     return ways
 
 
@@ -293,7 +293,7 @@ def round_room(radius: float, bends: int, first: float) -> list[tuple[float, Way
 def test_a_room_without_corners_closes_at_its_first_bend_wherever_the_second_round_meets_it(
     late: float,
 ) -> None:
-    circuit = Circuit(ClosingConfig())
+    circuit = LoopDetector(ClosingConfig())
     ways = [*round_room(0.5, 6, 0.0), *round_room(0.5, 5, math.pi / 3.0 + late)]
     findings = []
     for i, (length, way) in enumerate(ways):
@@ -321,7 +321,7 @@ def test_a_wall_that_bends_keeps_its_shape_in_the_trace() -> None:
     trace = BoundaryTrace()
     trace.reach("concave", 0.0)
     trace.turned(0.5 * math.pi)
-    trace.reach("concave", 1.05, Way(0.9, -0.2, -0.4))
+    trace.reach("concave", 1.05, WallSegment(0.9, -0.2, -0.4))
     pose = trace.poses()[1]
     assert (pose.x, pose.y) == pytest.approx((0.2, 0.9))
     assert pose.heading == pytest.approx(0.5 * math.pi - 0.4)

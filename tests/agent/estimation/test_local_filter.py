@@ -116,19 +116,19 @@ def test_the_errors_of_an_exploration_are_as_large_as_it_says() -> None:
     assert 0.5 < float(np.mean(ratios)) < 1.7
 
 
-@pytest.mark.parametrize("veer", [0.35, -0.2])
-def test_walls_tell_what_unequal_wheels_turn(veer: float) -> None:
+@pytest.mark.parametrize("drift_rate", [0.35, -0.2])
+def test_walls_tell_what_unequal_wheels_turn(drift_rate: float) -> None:
     """There and back, 5 cm each way and turned round between, by wheels that nothing is known of."""
-    pose, true = LocalPose(veer=0.23), Pose()
+    pose, true = LocalPose(drift_rate=0.23), Pose()
     pose.know(RIGHT, 0.057, 0.005)
     pose.know(0.0, 0.057, 0.005)
     for _ in range(30):
         for step, turn in [(0.002, 0.0)] * 25 + [(0.0, math.pi)]:
             pose.move(step, turn)
-            true = true.compose(step, 0.0, turn + veer * step)
+            true = true.compose(step, 0.0, turn + drift_rate * step)
         for normal in (RIGHT, 0.0):
             pose.see(seen(true, pose, normal, 0.057))
-    assert pose.veer == pytest.approx(veer, abs=0.08)
+    assert pose.drift_rate == pytest.approx(drift_rate, abs=0.08)
     assert abs(wrap_angle(pose.heading - true.heading)) < 0.02
 
 
@@ -142,7 +142,7 @@ def test_where_a_wall_was_barely_seen_is_no_lookout() -> None:
 
 
 def test_unequal_wheels_make_it_doubtful_sooner() -> None:
-    known, unknown = LocalPose(), LocalPose(veer=0.23)
+    known, unknown = LocalPose(), LocalPose(drift_rate=0.23)
     for pose in (known, unknown):
         for _ in range(200):
             pose.move(0.002, 0.0)
@@ -151,7 +151,7 @@ def test_unequal_wheels_make_it_doubtful_sooner() -> None:
 
 
 def test_a_belief_is_all_there_is_to_a_pose() -> None:
-    pose = unsure(LocalPose(0.3, square=True, veer=0.1))
+    pose = unsure(LocalPose(0.3, square=True, drift_rate=0.1))
     pose.know(RIGHT, 0.057, 0.005, (-0.087, 0.0))
     pose.see(seen(Pose(0.0, 0.0, 0.3), pose, 0.0, 0.06))
     again = LocalPose.of(pose.belief())

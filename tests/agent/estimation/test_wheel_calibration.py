@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tolman.agent import PathIntegrator
-from tolman.agent.estimation.wall_segments import WayMeter
+from tolman.agent.estimation.wall_segments import WallSegmentMeter
 from tolman.agent.estimation.wheel_calibration import MismatchEstimate, is_even
 from tolman.agent.events import CornerReached, WallMet
 from tolman.world.robot import EPUCK, Pose
@@ -58,10 +58,16 @@ def test_short_stretches_and_wild_turns_teach_nothing(turned: float, length: flo
 
 
 def corner(
-    kind: str = "concave", crook: float = 0.0, length: float = 0.8, heading: float = 0.0
+    kind: str = "concave", max_heading_change: float = 0.0, length: float = 0.8, heading: float = 0.0
 ) -> CornerReached:
     return CornerReached(
-        time=1.0, side="right", kind=kind, path_length=length, heading=heading, turn=0.0, crook=crook
+        time=1.0,
+        side="right",
+        kind=kind,
+        path_length=length,
+        heading=heading,
+        turn=0.0,
+        max_heading_change=max_heading_change,
     )
 
 
@@ -76,13 +82,13 @@ def test_a_turn_that_the_worst_wheels_make_is_explained_until_the_wheels_are_kno
 
 def test_only_walls_that_bend_nowhere_sharply_teach_anything() -> None:
     assert is_even(corner())
-    assert not is_even(corner(crook=0.2))
+    assert not is_even(corner(max_heading_change=0.2))
     assert not is_even(corner(kind="bend"))
 
 
-def meter(left: Pose = ORIGIN) -> tuple[WayMeter, PathIntegrator]:
+def meter(left: Pose = ORIGIN) -> tuple[WallSegmentMeter, PathIntegrator]:
     odometry = PathIntegrator(EPUCK, left)
-    measure = WayMeter(odometry, TRACK)
+    measure = WallSegmentMeter(odometry, TRACK)
     measure.leave()
     measure.met(WallMet(time=0.0, side="right", heading=left.heading))
     return measure, odometry
@@ -101,11 +107,11 @@ def test_a_straight_wall_has_no_shape_and_teaches_the_mismatch() -> None:
 def test_a_wall_with_a_blunt_corner_keeps_its_shape_and_teaches_nothing() -> None:
     measure, odometry = meter(Pose(1.0, 1.0, 0.5 * math.pi))
     odometry.reset(Pose(1.1, 1.7, 0.5 * math.pi - 0.4))
-    arrived = measure.arrive(corner(crook=0.4, heading=0.5 * math.pi - 0.4))
+    arrived = measure.arrive(corner(max_heading_change=0.4, heading=0.5 * math.pi - 0.4))
     assert arrived is not None
     way = arrived[1]
     assert way is not None
-    assert (way.ahead, way.aside, way.swing) == pytest.approx((0.7, -0.1, -0.4))
+    assert (way.dx, way.dy, way.dtheta) == pytest.approx((0.7, -0.1, -0.4))
     assert measure.mismatch.value == 0.0
 
 
@@ -135,4 +141,4 @@ def test_driving_there_and_back_along_a_bent_wall_tells_the_wheels_from_the_wall
     arrived = measure.arrive(corner("bend", length=0.5, heading=here))
     assert arrived is not None
     assert arrived[1] is not None
-    assert arrived[1].swing == pytest.approx(1.0, abs=0.02)
+    assert arrived[1].dtheta == pytest.approx(1.0, abs=0.02)

@@ -21,7 +21,7 @@ from tolman.agent.events import (
     NodeCreated,
     WallMet,
 )
-from tolman.agent.goals import ExploreLocally, Follow, FollowFrom, LocalSamples, ReturnToCorner
+from tolman.agent.goals import ExploreLocally, Follow, FollowFrom, LocalSamples, ReacquireCorner
 from tolman.agent.mapping.corners import Mapper, MappingConfig, Phase
 from tolman.maps.hybrid_map import HybridMap
 from tolman.maps.local.local_map import LocalMap
@@ -221,7 +221,7 @@ def test_around_every_node_it_explores_trains_and_comes_back_to_the_corner() -> 
     drive.explored(samples())
     assert drive.map.local_map(0) is not None
     assert event_of(drive.heard, LocalMapBuilt).positions == 60
-    assert isinstance(drive.correction.goals[-1], ReturnToCorner)
+    assert isinstance(drive.correction.goals[-1], ReacquireCorner)
     assert drive.commits == []
     drive.returned()
     assert drive.commits == [0]

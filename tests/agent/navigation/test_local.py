@@ -10,8 +10,8 @@ from tolman.agent import Agent
 from tolman.agent.behavior import Behavior, Context, Proposal
 from tolman.agent.estimation.local_filter import LocalPose
 from tolman.agent.events import BehaviorFinished
-from tolman.agent.goals import GoThrough, PlacesDriven
-from tolman.agent.local_goals import GoByWalls, PlacesByWalls
+from tolman.agent.goals import DrivePath, PlacesDriven
+from tolman.agent.local_goals import DrivePathWithLandmarks, PlacesByWalls
 from tolman.agent.navigation.local import LocalNavigator, is_square
 from tolman.maps.errors import MapError
 from tolman.maps.hybrid_map import HybridMap
@@ -74,7 +74,7 @@ def test_in_a_local_map_it_drives_from_unit_to_unit() -> None:
     goal = farthest(trip)
     trip.go(goal)
     through = puppet.goals[-1]
-    assert isinstance(through, GoByWalls)
+    assert isinstance(through, DrivePathWithLandmarks)
     assert through.places[-1] == pytest.approx(trip.local_map.position(goal))
     end = Pose(*through.places[-1], 0.7)
     finish(agent, "local-go-to", True, PlacesDriven(len(through.places), end))
@@ -120,7 +120,7 @@ def arrive(agent: Agent, puppet: LocalPuppet, pose: LocalPose) -> None:
     finish(agent, "local-go-to", True, PlacesByWalls(len(places), pose.pose, pose.belief()))
 
 
-def known(goal: GoByWalls) -> LocalPose:
+def known(goal: DrivePathWithLandmarks) -> LocalPose:
     return LocalPose.of(goal.belief)
 
 
@@ -181,7 +181,7 @@ def test_without_landmarks_it_drives_by_path_integration_alone() -> None:
     puppet = LocalPuppet()
     trip = LocalNavigator(Agent(ScriptedRobot(), [puppet]), graph, 0, landmarks=False)
     trip.home()
-    assert isinstance(puppet.goals[-1], GoThrough)
+    assert isinstance(puppet.goals[-1], DrivePath)
 
 
 def test_a_room_is_square_where_all_turns_are_quarters_but_for_measuring() -> None:

@@ -7,7 +7,7 @@ from tolman.agent import Agent
 from tolman.agent.events import Stuck
 from tolman.agent.goals import LegDriven
 from tolman.agent.navigation.corners import Navigator
-from tolman.agent.navigation.recovery import Guide
+from tolman.agent.navigation.recovery import RecoveringNavigator
 from tolman.behaviors.go_to_node import GoToNode
 from tolman.behaviors.wall_following import WallFollowing
 from tolman.maps.hybrid_map import HybridMap
@@ -27,26 +27,26 @@ def square() -> HybridMap:
 
 
 @pytest.fixture
-def guide() -> Guide:
+def guide() -> RecoveringNavigator:
     """At node 0 of the square, on a robot with a wall at its right for ever."""
     agent = Agent(ScriptedRobot([percept(right=0.022)]), [GoToNode(), WallFollowing()])
     hybrid_map = square()
-    return Guide(agent, hybrid_map, Navigator(agent, hybrid_map, 0))
+    return RecoveringNavigator(agent, hybrid_map, Navigator(agent, hybrid_map, 0))
 
 
-def drive(guide: Guide, ticks: int) -> None:
+def drive(guide: RecoveringNavigator, ticks: int) -> None:
     for _ in range(ticks):
         guide.update()
         guide.agent.tick()
 
 
-def move(guide: Guide, distance: float) -> None:
+def move(guide: RecoveringNavigator, distance: float) -> None:
     """Something else drives the robot."""
     pose = guide.agent.odometry.pose
     guide.agent.odometry.reset(Pose(pose.x + distance, pose.y, pose.heading))
 
 
-def test_it_stands_where_the_navigator_stands_until_something_moves_it(guide: Guide) -> None:
+def test_it_stands_where_the_navigator_stands_until_something_moves_it(guide: RecoveringNavigator) -> None:
     assert guide.node == 0
     move(guide, 0.02)
     assert guide.node is None
@@ -54,14 +54,14 @@ def test_it_stands_where_the_navigator_stands_until_something_moves_it(guide: Gu
     assert guide.node == 3
 
 
-def test_a_trip_cancelled_before_the_robot_moved_leaves_it_where_it_was(guide: Guide) -> None:
+def test_a_trip_cancelled_before_the_robot_moved_leaves_it_where_it_was(guide: RecoveringNavigator) -> None:
     guide.go(2)
     guide.cancel()
     assert (guide.done, guide.reached, guide.reason, guide.node) == (True, False, "cancelled", 0)
     assert not guide.agent.is_active("go-to-node")
 
 
-def test_cancelled_on_an_arc_it_knows_which_corner_it_meets_next(guide: Guide) -> None:
+def test_cancelled_on_an_arc_it_knows_which_corner_it_meets_next(guide: RecoveringNavigator) -> None:
     guide.go(1)
     drive(guide, 400)
     guide.cancel()
@@ -70,7 +70,7 @@ def test_cancelled_on_an_arc_it_knows_which_corner_it_meets_next(guide: Guide) -
     assert guide.near == ()
 
 
-def test_it_finds_out_where_it_is_before_it_sets_out(guide: Guide) -> None:
+def test_it_finds_out_where_it_is_before_it_sets_out(guide: RecoveringNavigator) -> None:
     guide.lose()
     guide.go(2)
     assert guide.agent.is_active("wall-following")
@@ -81,14 +81,14 @@ def test_it_finds_out_where_it_is_before_it_sets_out(guide: Guide) -> None:
 
 def test_where_nothing_can_be_found_out_it_says_so() -> None:
     agent, hybrid_map = Agent(ScriptedRobot(), [GoToNode()]), square()
-    guide = Guide(agent, hybrid_map, Navigator(agent, hybrid_map, 0), localizes=False)
+    guide = RecoveringNavigator(agent, hybrid_map, Navigator(agent, hybrid_map, 0), localizes=False)
     guide.lose()
     guide.go(2)
     assert guide.done
     assert "has no way to find out" in guide.reason
 
 
-def test_a_stuck_robot_ends_its_trip(guide: Guide) -> None:
+def test_a_stuck_robot_ends_its_trip(guide: RecoveringNavigator) -> None:
     guide.go(2)
     drive(guide, 3)
     guide.agent.bus.publish(Stuck(time=0.0, reason="held", given_up=True))
@@ -96,7 +96,7 @@ def test_a_stuck_robot_ends_its_trip(guide: Guide) -> None:
     assert (guide.done, guide.reached, guide.reason) == (True, False, "stuck")
 
 
-def test_a_trip_that_never_ends_is_given_up(guide: Guide) -> None:
+def test_a_trip_that_never_ends_is_given_up(guide: RecoveringNavigator) -> None:
     guide.go(1)
     guide.agent.context.time = 1e6
     guide.update()
@@ -104,7 +104,7 @@ def test_a_trip_that_never_ends_is_given_up(guide: Guide) -> None:
 
 
 def test_an_arc_that_cannot_be_driven_is_blocked_and_another_way_looked_for(
-    guide: Guide, monkeypatch: pytest.MonkeyPatch
+    guide: RecoveringNavigator, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("tolman.agent.navigation.recovery.Localizer", FoundAt0)
     guide.go(1)

@@ -60,8 +60,8 @@ def test_a_course_tells_how_far_a_wall_has_turned_and_how_sharply() -> None:
         even.take(0.01 * centimeter, 3.0 + 0.004 * centimeter)
         blunt.take(0.01 * centimeter, 0.4 if centimeter > 50 else 0.0)
     assert even.swing == pytest.approx(0.396)
-    assert even.crook == pytest.approx(0.04)
-    assert (blunt.swing, blunt.crook) == pytest.approx((0.4, 0.4))
+    assert even.max_heading_change == pytest.approx(0.04)
+    assert (blunt.swing, blunt.max_heading_change) == pytest.approx((0.4, 0.4))
 
 
 def test_a_course_keeps_one_direction_a_centimeter() -> None:

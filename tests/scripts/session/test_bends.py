@@ -23,7 +23,7 @@ def walls(points: list[tuple[float, float]], start: tuple[float, float, float]) 
     return "tolman-world: 1\nwalls:\n" + "\n".join(lines) + f"\nstarts:\n{starts}\n"
 
 
-ROUND = walls(ROUND_POINTS, (0.0, -0.433, 0))
+FULL_SWEEP = walls(ROUND_POINTS, (0.0, -0.433, 0))
 BLUNT = walls(
     [(-0.7, -0.3), (0.0, -0.45), (0.7, -0.3), (0.6, 0.4), (0.1, 0.5), (-0.6, 0.35)], (0.3, -0.317, 12)
 )
@@ -53,7 +53,7 @@ def test_a_boundary_that_bends_closes_at_the_right_place_in_the_first_round(
 
 
 def test_a_round_room_closes_and_its_bends_are_driven_to_both_ways(tmp_path: Path) -> None:
-    report = mapped(tmp_path, ROUND, seed=2)
+    report = mapped(tmp_path, FULL_SWEEP, seed=2)
     assert (report.loop_correct, report.nodes, report.collisions) == (True, 6, 0)
     assert report.loop_distance_m == pytest.approx(math.tau * (0.49 - 0.057), abs=0.2)
     for target, error in ((2, 0.03), (5, 0.20)):
