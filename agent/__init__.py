@@ -4,12 +4,13 @@ The agent knows its robot only through `tolman.world.robot`; it never sees where
 """
 
 from . import events
-from .agent import Agent, TickListener, run
+from .agent import Agent, run
 from .arbitration.mediator import Candidate, Decision, Mediator, PriorityMediator
 from .behavior import Behavior, Context, NoConfig, Proposal, Transition
 from .errors import AgentError, BehaviorContractError, ConfigError, UnknownBehaviorError
 from .estimation.odometry import PathIntegrator
 from .handle import Limits
+from .listener import Listener, Outcome, TickListener
 from .missions.mission import Mission, MissionRunner
 
 __all__ = [
@@ -22,10 +23,12 @@ __all__ = [
     "Context",
     "Decision",
     "Limits",
+    "Listener",
     "Mediator",
     "Mission",
     "MissionRunner",
     "NoConfig",
+    "Outcome",
     "PathIntegrator",
     "PriorityMediator",
     "Proposal",

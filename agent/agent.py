@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -24,17 +24,11 @@ from .events import (
     MediatorFaulted,
 )
 from .handle import BehaviorHandle, Limits
+from .listener import Updated
 
 _log = logging.getLogger(__name__)
 _FAULTS = (Exception, SystemExit)
 """What a plugin may raise without ending the run; KeyboardInterrupt is the user's."""
-
-
-class TickListener(Protocol):
-    """Something that watches every tick without driving: mapping, navigation, a mission, a recorder."""
-
-    def update(self, percept: Percept, context: Context) -> None:
-        """Called once a tick after path integration, before the behaviors propose."""
 
 
 class Agent:
@@ -60,7 +54,7 @@ class Agent:
         self.bus = EventBus(on_fault=self._handler_fault)
         self.mediator: Mediator = mediator or PriorityMediator()
         self.odometry = PathIntegrator(robot.geometry)
-        self.processes: list[TickListener] = []
+        self._listeners: tuple[Updated, ...] = ()
         seed = seed if seed is not None else np.random.SeedSequence(0)
         self.context = Context(
             geometry=robot.geometry,
@@ -151,6 +145,20 @@ class Agent:
         for port in tuple(self._active):
             self._leave(port)
 
+    # --- listeners -----------------------------------------------------------------------------------
+
+    def attach(self, listener: Updated) -> None:
+        """Has the listener's `update` called once a tick, after those attached before, from the next tick on.
+
+        More than once does no harm.
+        """
+        if all(each is not listener for each in self._listeners):
+            self._listeners = (*self._listeners, listener)
+
+    def detach(self, listener: Updated) -> None:
+        """Has it called no more, from the next tick on; one that is not attached does no harm."""
+        self._listeners = tuple(each for each in self._listeners if each is not listener)
+
     # --- the tick ------------------------------------------------------------------------------------
 
     def tick(self) -> WheelCommand:
@@ -163,8 +171,8 @@ class Agent:
         context.distance, context.turn = odometry.distance, odometry.turn
         if self._to_restart:
             self._restart()
-        for process in self.processes:
-            process.update(percept, context)
+        for listener in self._listeners:
+            listener.update(percept, context)
         halt, self._halt = self._halt, False
         self.proposals = proposals = self._collect(percept)
         decision = self._arbitrate(proposals)

@@ -110,7 +110,7 @@ class IslandMapper:
         self._leaves = 0
         self._maybe: set[int] = set()
         self._gone: tuple[list[int], list[ArcKey]] = ([], [])
-        agent.processes.append(self)
+        agent.attach(self)
 
     # --- what a run needs -----------------------------------------------------------------------------
 

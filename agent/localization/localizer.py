@@ -73,7 +73,7 @@ class Localizer:
 
     def begin(self) -> None:
         """Looks for a wall and follows it."""
-        self.agent.processes.append(self)
+        self.agent.attach(self)
         self._follow()
 
     def _follow(self) -> None:
@@ -171,5 +171,4 @@ class Localizer:
         self.agent.stop("look-around" if self._looking else "wall-following")
         for subscription in self._subscriptions:
             subscription.cancel()
-        if self in self.agent.processes:
-            self.agent.processes.remove(self)
+        self.agent.detach(self)

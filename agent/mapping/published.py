@@ -97,7 +97,7 @@ class ThesisMapper:
         self._travelled = 0.0
         self._met_at = 0.0
         self._headings: deque[float] = deque(maxlen=config.window)
-        agent.processes.append(self)
+        agent.attach(self)
         agent.bus.subscribe(NodeCreated, self._on_created)
         agent.bus.subscribe(BehaviorFinished, self._on_finished)
 

@@ -93,7 +93,7 @@ class ThesisNavigator:
         self._from = Pose()
         self._begun = 0.0
         self._face = True
-        agent.processes.append(self)
+        agent.attach(self)
         self._subscription = agent.bus.subscribe(BehaviorFinished, self._on_finished)
 
     @property
@@ -138,8 +138,7 @@ class ThesisNavigator:
     def close(self) -> None:
         """Hears no more: for a map that is put away."""
         self._subscription.cancel()
-        if self in self.agent.processes:
-            self.agent.processes = [each for each in self.agent.processes if each is not self]
+        self.agent.detach(self)
 
     # --- the arcs, one after the other ---------------------------------------------------------------
 

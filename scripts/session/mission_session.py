@@ -128,7 +128,7 @@ class MissionSession:
         """Ticks until the mission has ended; cancels it when its time is up or the user interrupts."""
         site, world, limit = self.sites[0], self.world, self.request.max_time
         runner = MissionRunner(mission, site.agent, site, journal)
-        site.agent.processes.append(runner)
+        site.agent.attach(runner)
         told = -1.0
         try:
             while not runner.ended:

@@ -48,7 +48,7 @@ class LapProbe:
         self._left = False
         self._nearest = math.inf
         self._at_home = False
-        run.agent.processes.append(self)
+        run.agent.attach(self)
         run.agent.bus.subscribe(NodeCreated, self._on_created)
         run.agent.bus.subscribe(NodeCommitted, self._on_committed)
 

@@ -98,7 +98,7 @@ class Rig:
         self.heard = list[Event]()
         self.agent.bus.subscribe(Event, self.heard.append)
         self.runner = MissionRunner(mission, self.agent, self.site, journal)
-        self.agent.processes.append(self.runner)
+        self.agent.attach(self.runner)
 
     def run(self, ticks: int = 500) -> Rig:
         for _ in range(ticks):
