@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from tolman.world import Pose, World, WorldSpec, open_world
-from tolman.world.geometry import outline
 from tolman.world.robot import EPUCK
 from tolman.world.spec import Cylinder, Shape, Start, Wall
 
@@ -126,7 +125,7 @@ def _panorama(world: World, x: float, y: float) -> Floats:
 
 def inside(shape: Shape, x: float, y: float) -> bool:
     """Whether a point (m) lies in a shape's outline."""
-    corners = outline(shape)
+    corners = shape.outline()
     crossed = False
     for (ax, ay), (bx, by) in zip(corners, [*corners[1:], corners[0]], strict=True):
         if (ay > y) != (by > y) and x < (bx - ax) * (y - ay) / (by - ay) + ax:
@@ -136,7 +135,7 @@ def inside(shape: Shape, x: float, y: float) -> bool:
 
 def crosses(shape: Shape, start: Floats, end: Floats) -> bool:
     """Whether the segment from start to end, (2,) m, crosses a shape's outline."""
-    corners = outline(shape)
+    corners = shape.outline()
     return any(
         _turn(a, b, start) * _turn(a, b, end) < 0.0 and _turn(start, end, a) * _turn(start, end, b) < 0.0
         for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)

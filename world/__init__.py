@@ -1,12 +1,12 @@
 """The robot and its surroundings: worlds as data, simulated with DART or kinematically."""
 
 from .arenas.catalog import built_in_world, built_in_worlds, find_world
-from .base import (
+from .base import World
+from .errors import (
     EngineMissingError,
     PlacementError,
     SimulationError,
     UnknownWorldError,
-    World,
     WorldError,
     WorldFileError,
     WorldWarning,

@@ -1,42 +1,12 @@
-"""What every world offers, whatever computes it, and the errors that this package raises."""
+"""What every world offers, whatever computes it."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 from .robot import Pose, Robot
-
-if TYPE_CHECKING:
-    from .spec import WorldSpec
-
-
-class WorldError(ValueError):
-    """Anything that is wrong with a world, its description or what is asked of it."""
-
-
-class UnknownWorldError(WorldError, LookupError):
-    """No built-in world and no file has this name."""
-
-
-class WorldFileError(WorldError):
-    """A world file that cannot be read; the message names file, line and key."""
-
-
-class WorldWarning(UserWarning):
-    """Something in a file of another program that has no counterpart here and was left out."""
-
-
-class PlacementError(WorldError):
-    """A robot cannot stand there: it would overlap a wall or another body, or be outside."""
-
-
-class SimulationError(WorldError, RuntimeError):
-    """The simulation cannot go on: a robot tipped or flew off, or its state is not finite."""
-
-
-class EngineMissingError(WorldError, ImportError):
-    """The simulation engine, or a system library that it needs, is not installed."""
+from .spec import WorldSpec
 
 
 class World(Protocol):

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from .arenas.catalog import find_world
-from .base import World, WorldError
+from .base import World
+from .errors import WorldError
 from .noise.model import Noise, resolve_noise
 from .physics.kinematic import KinematicWorld
 from .robot import EPUCK, Pose, RobotGeometry

@@ -1,16 +1,17 @@
-"""Shapes as outlines and segments: what both ray casters, both simulators and the importers measure with."""
+"""Outlines and segments: what both ray casters, both simulators and the importers measure with."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
 from functools import cached_property
+from typing import Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .spec import Box, Cylinder, Point, Polygon, Shape, Wall
-
+Point: TypeAlias = tuple[float, float]
+"""x, y in m."""
 Floats = NDArray[np.float64]
 Edge = tuple[float, float, float, float, float]
 """Start x, y, way to the end along x, y (m), and its length squared."""
@@ -47,25 +48,6 @@ def signed_area(points: Sequence[Point]) -> float:
     return total / 2
 
 
-def outline(shape: Shape) -> tuple[Point, ...]:
-    """The shape's outline on the floor: corners (m), counter-clockwise."""
-    if isinstance(shape, Box):
-        return rectangle(shape.x, shape.y, shape.width, shape.depth, shape.angle)
-    if isinstance(shape, Cylinder):
-        return disk(shape.x, shape.y, shape.radius)
-    if isinstance(shape, Polygon):
-        return shape.points if signed_area(shape.points) > 0 else shape.points[::-1]
-    return outline(wall_box(shape))
-
-
-def wall_box(wall: Wall) -> Box:
-    """The box that a wall segment stands for."""
-    (x0, y0), (x1, y1) = wall.start, wall.end
-    length, angle = math.hypot(x1 - x0, y1 - y0), math.atan2(y1 - y0, x1 - x0)
-    center = (x0 + x1) / 2, (y0 + y1) / 2
-    return Box(*center, length, wall.thickness, angle, wall.height, wall.surface)
-
-
 def outline_segments(outlines: Iterable[Sequence[Point]]) -> Floats:
     """All edges of the outlines: (n, 4) rows of x0, y0, x1, y1 (m), solid on the left."""
     rows = [
@@ -74,6 +56,17 @@ def outline_segments(outlines: Iterable[Sequence[Point]]) -> Floats:
         for start, end in zip(points, (*points[1:], points[0]), strict=True)
     ]
     return np.array(rows, dtype=np.float64).reshape(-1, 4)
+
+
+class Upright(Protocol):
+    """What stands on the floor: all that a plan needs to know of a shape."""
+
+    @property
+    def height(self) -> float:
+        """Meters above the floor."""
+
+    def outline(self) -> tuple[Point, ...]:
+        """Corners (m) on the floor, counter-clockwise."""
 
 
 class Plan:
@@ -88,10 +81,10 @@ class Plan:
     REMEMBERED = 20_000
     """How many squares are remembered before all are forgotten, so that no run grows without end."""
 
-    def __init__(self, shapes: Sequence[Shape], min_height: float = 0.0) -> None:
+    def __init__(self, shapes: Sequence[Upright], min_height: float = 0.0) -> None:
         """Takes in the shapes that are at least `min_height` (m) high."""
         kept = [(index, shape) for index, shape in enumerate(shapes) if shape.height >= min_height]
-        self.outlines = tuple(outline(shape) for _, shape in kept)
+        self.outlines = tuple(shape.outline() for _, shape in kept)
         self.indices = tuple(index for index, _ in kept)
         self.segments = outline_segments(self.outlines)
         self.owners = np.repeat(np.arange(len(kept)), [len(points) for points in self.outlines])

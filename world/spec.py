@@ -11,10 +11,10 @@ import math
 from dataclasses import asdict, dataclass, field
 from typing import Any, TypeAlias
 
-from .base import WorldError
+from .errors import WorldError
+from .geometry import Point, disk, rectangle, signed_area
 from .robot import Pose
 
-Point: TypeAlias = tuple[float, float]
 Color: TypeAlias = tuple[float, float, float]
 
 WHITE: Color = (0.9, 0.9, 0.9)
@@ -46,6 +46,10 @@ class Box:
     height: float = WALL_HEIGHT
     surface: Surface = field(default_factory=Surface)
 
+    def outline(self) -> tuple[Point, ...]:
+        """Corners (m) on the floor, counter-clockwise."""
+        return rectangle(self.x, self.y, self.width, self.depth, self.angle)
+
 
 @dataclass(frozen=True, slots=True)
 class Cylinder:
@@ -57,6 +61,10 @@ class Cylinder:
     height: float = WALL_HEIGHT
     surface: Surface = field(default_factory=Surface)
 
+    def outline(self) -> tuple[Point, ...]:
+        """Corners (m) of the prism that stands for it in every sensor, counter-clockwise."""
+        return disk(self.x, self.y, self.radius)
+
 
 @dataclass(frozen=True, slots=True)
 class Polygon:
@@ -65,6 +73,10 @@ class Polygon:
     points: tuple[Point, ...]
     height: float = WALL_HEIGHT
     surface: Surface = field(default_factory=Surface)
+
+    def outline(self) -> tuple[Point, ...]:
+        """Corners (m) on the floor, counter-clockwise."""
+        return self.points if signed_area(self.points) > 0 else self.points[::-1]
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +88,16 @@ class Wall:
     thickness: float = 0.02
     height: float = WALL_HEIGHT
     surface: Surface = field(default_factory=Surface)
+
+    def box(self) -> Box:
+        """The box that it stands for."""
+        (x0, y0), (x1, y1) = self.start, self.end
+        length, angle = math.hypot(x1 - x0, y1 - y0), math.atan2(y1 - y0, x1 - x0)
+        return Box((x0 + x1) / 2, (y0 + y1) / 2, length, self.thickness, angle, self.height, self.surface)
+
+    def outline(self) -> tuple[Point, ...]:
+        """Corners (m) on the floor, counter-clockwise."""
+        return self.box().outline()
 
 
 Shape: TypeAlias = Box | Cylinder | Polygon | Wall

@@ -8,10 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from .base import WorldFileError
-from .geometry import Floats, Plan, cast
+from .errors import WorldFileError
+from .geometry import Floats, Plan, Point, cast
 from .robot import EPUCK, Pose, wrap_angle
-from .spec import Point, Start, WorldSpec
+from .spec import Start, WorldSpec
 
 BESIDE = 0.057
 """Distance (m) of the robot's center from the wall."""

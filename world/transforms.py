@@ -6,10 +6,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from .base import WorldError
-from .geometry import Plan
+from .errors import WorldError
+from .geometry import Plan, Point
 from .robot import Pose, wrap_angle
-from .spec import Box, Cylinder, Point, Polygon, Shape, Start, Surface, WorldSpec
+from .spec import Box, Cylinder, Polygon, Shape, Start, Surface, WorldSpec
 
 _OTHER_SIDE = {"right": "left", "left": "right"}
 

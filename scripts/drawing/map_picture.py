@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...maps import HybridMap, LocalMap
 from ...maps.layout import layout
 from ...world.arenas.catalog import find_world
-from ...world.base import WorldError
+from ...world.errors import WorldError
 from ...world.robot import Pose
 from ...world.spec import Shape
 from ..session.truth import read_map_truth

@@ -17,7 +17,6 @@ from matplotlib.patches import Circle, FancyArrowPatch, Patch
 from matplotlib.patches import Polygon as PolygonPatch
 from numpy.typing import NDArray
 
-from ...world.geometry import outline
 from ...world.robot import EPUCK, Pose
 from .style import ArcLine, Drawing, Lattice, extent, placed
 
@@ -179,7 +178,7 @@ def compose_figure(drawing: Drawing) -> Figure:
     figure = Figure(figsize=(width, height), layout="constrained")
     axes = figure.add_subplot()
     for shape in drawing.shapes:
-        axes.add_patch(PolygonPatch(outline(shape), closed=True, fc=WALL, ec=WALL, lw=0.5, zorder=1))
+        axes.add_patch(PolygonPatch(shape.outline(), closed=True, fc=WALL, ec=WALL, lw=0.5, zorder=1))
     if len(drawing.track):
         axes.plot(drawing.track[:, 0], drawing.track[:, 1], color=PATH, lw=0.8, zorder=1.5)
     for node, lattice in drawing.lattices.items():

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ...world.geometry import outline
 from ...world.robot import EPUCK, Pose
 from ...world.spec import Shape
 
@@ -69,7 +68,7 @@ def placed(weights: NDArray[np.float64], pose: Pose) -> NDArray[np.float64]:
 def extent(drawing: Drawing) -> tuple[float, float, float, float]:
     """Least and largest x and y (m) of what is drawn, with a margin."""
     places = [np.array([[pose.x, pose.y] for pose in drawing.nodes.values()]).reshape(-1, 2), drawing.track]
-    places += [np.array(outline(shape)) for shape in drawing.shapes]
+    places += [np.array(shape.outline()) for shape in drawing.shapes]
     places += [placed(lattice.weights, drawing.nodes[node]) for node, lattice in drawing.lattices.items()]
     points = np.concatenate([place[np.isfinite(place).all(axis=1)] for place in places])
     if not len(points):

@@ -7,7 +7,7 @@ from functools import cache
 from importlib import resources
 from pathlib import Path
 
-from ..base import UnknownWorldError, WorldError, WorldFileError
+from ..errors import UnknownWorldError, WorldError, WorldFileError
 from ..spec import WorldSpec
 
 

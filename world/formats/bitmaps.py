@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..base import WorldFileError
+from ..errors import WorldFileError
 
 MAX_PIXELS = 4096 * 4096
 MAX_BYTES = 64_000_000

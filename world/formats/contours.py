@@ -12,8 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import signed_area
-from ..spec import Point
+from ..geometry import Point, signed_area
 
 Mask = NDArray[np.bool_]
 Corners = NDArray[np.float64]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from ..base import WorldFileError
+from ..errors import WorldFileError
 from ..spec import WorldSpec
 from .maze import load_maze
 from .rosmap import load_ros_map

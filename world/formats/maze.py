@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..base import WorldFileError
-from ..spec import Box, Point, Shape, Wall, WorldSpec
+from ..errors import WorldFileError
+from ..geometry import Point
+from ..spec import Box, Shape, Wall, WorldSpec
 from ..starts import require_start, with_starts
 from ..transforms import scaled
 from .yamlnodes import read_text

@@ -13,10 +13,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..base import WorldFileError
-from ..geometry import signed_area
+from ..errors import WorldFileError
+from ..geometry import Point, signed_area
 from ..robot import EPUCK
-from ..spec import Box, Point, Polygon, Shape, WorldSpec
+from ..spec import Box, Polygon, Shape, WorldSpec
 from ..starts import require_start, with_starts
 from ..transforms import scaled
 from .bitmaps import Gray, read_bitmap

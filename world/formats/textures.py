@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..base import WorldFileError
+from ..errors import WorldFileError
 from ..spec import Texture
 from .bitmaps import read_bitmap
 from .yamlnodes import Entry

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from ..base import WorldFileError
+from ..errors import WorldFileError
 
 MAX_TOKENS = 400_000
 MAX_DEPTH = 40

@@ -7,7 +7,7 @@ import warnings
 from dataclasses import replace
 from pathlib import Path
 
-from ..base import WorldFileError, WorldWarning
+from ..errors import WorldFileError, WorldWarning
 from ..geometry import Plan
 from ..robot import EPUCK, Pose
 from ..spec import Box, Cylinder, Shape, Start, WorldSpec

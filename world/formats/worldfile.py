@@ -7,8 +7,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from ..base import WorldError, WorldFileError
-from ..geometry import signed_area
+from ..errors import WorldError, WorldFileError
+from ..geometry import Point, signed_area
 from ..robot import Pose, wrap_angle
 from ..spec import (
     WALL_HEIGHT,
@@ -16,7 +16,6 @@ from ..spec import (
     Color,
     Cylinder,
     MovableBox,
-    Point,
     Polygon,
     Scenery,
     Shape,

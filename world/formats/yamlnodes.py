@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 import yaml
 
-from ..base import WorldFileError
+from ..errors import WorldFileError
 
 MAX_BYTES = 2_000_000
 """Largest YAML file (bytes) that is read: a hand-written world of thousands of boxes is far smaller."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from ..base import WorldError
+from ..errors import WorldError
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from itertools import chain
 from typing import Any
 
-from ..base import SimulationError
+from ..errors import SimulationError
 from ..robot import Pose
 from ._dart import dartpy
 from .broad_phase import Nearby

@@ -11,7 +11,6 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..geometry import outline, wall_box
 from ..robot import CONTROL_PERIOD, RobotGeometry
 from ..spec import Box, Cylinder, MovableBox, Polygon, Shape, Wall
 from ._dart import dartpy
@@ -226,9 +225,9 @@ def solids(shape: Shape, rim: float = 0.004) -> list[Cylinder | Box]:
     if isinstance(shape, Box | Cylinder):
         return [shape]
     if isinstance(shape, Wall):
-        return [wall_box(shape)]
+        return [shape.box()]
     assert isinstance(shape, Polygon)
-    points = outline(shape)
+    points = shape.outline()
     return [
         _edge_box(before, start, end, after, rim, shape.height)
         for before, start, end, after in zip(

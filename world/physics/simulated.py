@@ -10,7 +10,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from ..base import PlacementError, SimulationError, WorldError
+from ..errors import PlacementError, SimulationError, WorldError
 from ..geometry import Clearing, Plan
 from ..noise.model import Noise
 from ..robot import CONTROL_PERIOD, EPUCK, Image, Pose, RobotGeometry

@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..base import WorldError
+from ..errors import WorldError
 from ..geometry import Floats
 from ..robot import Image, Pose, RobotGeometry
 from ..spec import Scenery, Texture

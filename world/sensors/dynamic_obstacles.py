@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from ..geometry import Edge, Plan, disk, edges_of, outline_segments, rectangle
+from ..geometry import Edge, Plan, Point, disk, edges_of, outline_segments, rectangle
 from ..robot import Pose, RobotGeometry
-from ..spec import Cylinder, MovableBox, Point, Polygon, Shape, Surface
+from ..spec import Cylinder, MovableBox, Polygon, Shape, Surface
 from .infrared import InfraredModel
 
 ROBOT_HEIGHT = 0.048

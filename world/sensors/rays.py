@@ -9,7 +9,7 @@ from typing import Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..base import EngineMissingError
+from ..errors import EngineMissingError
 from ..geometry import Floats
 from .scene import Faces, Ints
 

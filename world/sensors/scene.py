@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import Floats, outline, outline_segments
-from ..spec import Color, Point, Shape
+from ..geometry import Floats, Point, outline_segments
+from ..spec import Color, Shape
 
 Ints = NDArray[np.int64]
 _LUMA = np.array((0.2126, 0.7152, 0.0722))
@@ -28,7 +28,7 @@ class Faces:
     def __init__(self, shapes: Sequence[Shape], outlines: Sequence[Sequence[Point]] | None = None) -> None:
         """Builds the faces; `outlines` replaces the shapes' own (for bodies that have moved)."""
         self.shapes = tuple(shapes)
-        self.outlines = tuple(map(tuple, outlines)) if outlines is not None else tuple(map(outline, shapes))
+        self.outlines = tuple(map(tuple, outlines or (shape.outline() for shape in shapes)))
         self.segments: Floats = outline_segments(self.outlines)
         self.owners: Ints = np.repeat(np.arange(len(shapes)), [len(points) for points in self.outlines])
         tops = np.array([shape.height for shape in shapes], dtype=np.float64)

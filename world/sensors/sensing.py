@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, Generic, TypeVar
 
-from ..base import WorldError
+from ..errors import WorldError
 from ..robot import CONTROL_PERIOD
 
 T = TypeVar("T")

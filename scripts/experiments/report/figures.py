@@ -14,7 +14,6 @@ from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from ....world.arenas.catalog import find_world
-from ....world.geometry import outline
 from ...drawing.plot import DOTS_PER_INCH, NO_DATES, NODE, WALL
 from ...session.truth import read_map_truth
 from ..campaign.campaign import Job, Result
@@ -105,7 +104,7 @@ def _room(axes: Axes, world: str) -> None:
     axes.set_aspect("equal")
     corners: list[tuple[float, float]] = []
     for shape in find_world(world).shapes:
-        points = outline(shape)
+        points = shape.outline()
         corners += points
         axes.add_patch(Polygon(points, closed=True, fc=WALL, ec=WALL, lw=0.5))
     low, high = np.min(corners, axis=0), np.max(corners, axis=0)

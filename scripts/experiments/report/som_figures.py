@@ -13,7 +13,6 @@ from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from ....maps.som.lattice import lattice_of
-from ....world.geometry import outline
 from ....world.robot import Pose
 from ...drawing.plot import WALL
 from ...session.truth import read_map_truth
@@ -90,7 +89,7 @@ def _local_frame(axes: Axes, title: str, job: Job, node: int, work: Path) -> Non
     if truth is None or node not in truth.nodes:
         return
     for shape in experiment_world(str(job.settings["world"]), work).shapes:
-        axes.add_patch(Polygon(_seen_from(truth.nodes[node], outline(shape)), closed=True, fc=WALL, ec=WALL))
+        axes.add_patch(Polygon(_seen_from(truth.nodes[node], shape.outline()), closed=True, fc=WALL, ec=WALL))
 
 
 def _seen_from(pose: Pose, points: Any) -> Points:

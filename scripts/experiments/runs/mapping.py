@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ....agent.mapping.published import ThesisMapper
-from ....world.base import SimulationError
+from ....world.errors import SimulationError
 from ....world.robot import Pose
 from ...session.assembly import make_world
 from ...session.mapping_run import MappingRun, open_map_file

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ....world.base import WorldError
+from ....world.errors import WorldError
 from ....world.formats.maze import parse_maze
 from ....world.spec import Box, Shape, WorldSpec, room_walls
 from ....world.starts import with_starts

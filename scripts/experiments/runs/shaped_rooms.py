@@ -8,9 +8,9 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ....world.base import WorldError
-from ....world.geometry import Plan
-from ....world.spec import Box, Cylinder, Point, Shape, Wall, WorldSpec, room_walls
+from ....world.errors import WorldError
+from ....world.geometry import Plan, Point
+from ....world.spec import Box, Cylinder, Shape, Wall, WorldSpec, room_walls
 from ....world.starts import with_starts
 
 LEAST_GAP = 0.24

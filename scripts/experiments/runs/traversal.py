@@ -22,7 +22,7 @@ from ....agent.navigation.local import LocalNavigator
 from ....agent.navigation.published import Correction, ThesisNavigator
 from ....maps.hybrid_map import Arc, HybridMap
 from ....world import World
-from ....world.base import SimulationError
+from ....world.errors import SimulationError
 from ....world.robot import Pose, wrap_angle
 from ...session.assembly import make_agent, make_world
 from ...session.profiles import find_profile, make_navigator

@@ -14,7 +14,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from ....world.arenas.catalog import built_in_worlds, find_world
-from ....world.base import WorldError
+from ....world.errors import WorldError
 from ....world.spec import WorldSpec
 from ....world.transforms import mirrored, rotated, scaled
 from ...cli.errors import UsageError

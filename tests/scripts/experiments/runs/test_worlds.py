@@ -14,7 +14,7 @@ from tolman.scripts.experiments.runs.worlds import (
     split,
 )
 from tolman.world import built_in_world
-from tolman.world.base import WorldError
+from tolman.world.errors import WorldError
 from tolman.world.geometry import Plan
 
 MAP = """image: map.pgm
