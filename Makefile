@@ -2,7 +2,7 @@
 PYTHON3 ?= python3
 ARGS ?=
 
-.PHONY: setup demo test lint bench torture format
+.PHONY: setup demo test check lint docs matrix bench torture format
 .NOTPARALLEL:
-setup demo test lint bench torture format:
+setup demo test check lint docs matrix bench torture format:
 	@$(PYTHON3) scripts/bootstrap.py $@ $(ARGS)

@@ -35,20 +35,23 @@ print(json.dumps({"version": sys.version_info[:3], "sqlite": sqlite, "path": sys
     "implementation": sys.implementation.name, "venv": find.find_spec("venv") is not None,
     "ensurepip": find.find_spec("ensurepip") is not None, "pip": find.find_spec("pip") is not None}))
 """
+KIT = "kit"
+"""The extra that every set-up has: what the tutorials use."""
 PYTEST = ["-m", "pytest", "-n", "2"]
+LINT = [
+    ["-m", "ruff", "check", "."],
+    ["-m", "ruff", "format", "--check", "."],
+    ["-m", "mypy"],
+    ["-c", "from importlinter.cli import lint_imports_command; lint_imports_command()"],
+]
 TARGETS = {
-    "setup": ("", []),
-    "demo": ("", [["-m", "tolman.scripts.demo"]]),
+    "setup": (KIT, []),
+    "demo": (KIT, [["-m", "tolman.scripts.demo"]]),
     "test": ("test", [PYTEST]),
-    "lint": (
-        "dev",
-        [
-            ["-m", "ruff", "check", "."],
-            ["-m", "ruff", "format", "--check", "."],
-            ["-m", "mypy"],
-            ["-c", "from importlinter.cli import lint_imports_command; lint_imports_command()"],
-        ],
-    ),
+    "lint": ("dev", LINT),
+    "check": ("dev", [*LINT, [*PYTEST, "-q", "-m", "not slow and not e2e"]]),
+    "docs": ("docs", [["-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", "out/site"]]),
+    "matrix": ("test", [["-m", "tools.matrix"]]),
     "bench": (
         "bench",
         [
@@ -57,7 +60,7 @@ TARGETS = {
             ["-m", "benchmarks.maps"],
         ],
     ),
-    "torture": ("", [["-m", "tools.torture.worlds"], ["-m", "tools.torture", "all"]]),
+    "torture": (KIT, [["-m", "tools.torture.worlds"], ["-m", "tools.torture", "all"]]),
     "format": ("dev", [["-m", "ruff", "check", "--fix", "."], ["-m", "ruff", "format", "."]]),
 }
 """Target -> (the extra of pyproject.toml it needs, the arguments of each Python process to run in turn)."""
@@ -221,7 +224,7 @@ def set_up(extra: str) -> None:
     python = find_python()
     mark = fingerprint(python)
     done = installed_extras(mark)
-    wanted = {"runtime"} | ({extra} if extra else set())
+    wanted = {KIT, extra}
     covered = {"test"} if done & {"dev", "bench"} else set()
     if wanted <= done | covered:
         return
@@ -229,7 +232,7 @@ def set_up(extra: str) -> None:
     if READY.exists():
         READY.unlink()
     make_environment(python)
-    install(python, (wanted | done) - {"runtime"})
+    install(python, wanted | done)
     READY.write_text(json.dumps({"mark": mark, "extras": sorted(wanted | done)}) + "\n")
 
 

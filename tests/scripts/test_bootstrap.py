@@ -79,11 +79,11 @@ def test_a_finished_set_up_is_known_by_its_mark(monkeypatch: pytest.MonkeyPatch,
     monkeypatch.setattr(bootstrap, "VENV", tmp_path)
     monkeypatch.setattr(bootstrap, "READY", tmp_path / "ready.json")
     assert bootstrap.installed_extras("mark") == set()
-    bootstrap.READY.write_text(json.dumps({"mark": "mark", "extras": ["runtime", "test"]}))
+    bootstrap.READY.write_text(json.dumps({"mark": "mark", "extras": ["kit", "test"]}))
     assert bootstrap.installed_extras("mark") == set(), "without an interpreter nothing is finished"
     bootstrap.venv_python().parent.mkdir()
     bootstrap.venv_python().touch()
-    assert bootstrap.installed_extras("mark") == {"runtime", "test"}
+    assert bootstrap.installed_extras("mark") == {"kit", "test"}
     assert bootstrap.installed_extras("another") == set()
     bootstrap.READY.write_text("{")
     assert bootstrap.installed_extras("mark") == set()
@@ -123,11 +123,11 @@ def test_arguments_for_several_programs_are_refused_with_their_names(
 @pytest.mark.parametrize(
     ("done", "extra", "installs"),
     [
-        ({"runtime", "dev"}, "test", False),
-        ({"runtime", "dev"}, "bench", True),
-        ({"runtime", "bench"}, "test", False),
-        ({"runtime"}, "test", True),
-        ({"runtime"}, "", False),
+        ({"kit", "dev"}, "test", False),
+        ({"kit", "dev"}, "bench", True),
+        ({"kit", "bench"}, "test", False),
+        ({"kit"}, "test", True),
+        ({"kit"}, "kit", False),
     ],
 )
 def test_what_is_installed_already_is_not_installed_again(
