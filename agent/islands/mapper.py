@@ -16,7 +16,7 @@ from dataclasses import asdict, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
-from ...maps.layout import PLACE
+from ...maps.boundary.layout import PLACE
 from ...world.robot import Percept, Pose, wrap_angle
 from ..boundary.trace import BEND
 from ..events import CornerReached, Localized, LoopClosed, Lost, NodePassed, NodeReached

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from ...maps.layout import PLACE
+from ...maps.boundary.layout import PLACE
+from ...maps.boundary.walk import close_polygon, onward, walk
 from ...world.robot import Pose, wrap_angle
 from ..boundary.trace import BoundaryTrace, Corner
 
@@ -63,23 +64,15 @@ class Outline:
 
 def outline_from(hybrid: HybridMap, first: int) -> Outline | None:
     """The outline of the boundary that `first` is on, from the side mapped with; None if it is not closed."""
-    side = hybrid.meta.side
-    nodes, lengths = [first], []
-    while (arc := hybrid.next_arc(nodes[-1], side)) is not None:
-        lengths.append(arc.distance)
-        if arc.end == first:
-            break
-        if arc.end in nodes:
-            return None
-        nodes.append(arc.end)
-    else:
+    way = walk(onward(hybrid, hybrid.meta.side), first)
+    if not way.closed:
         return None
-    data = [hybrid.graph.nodes[node] for node in nodes]
+    data = [hybrid.graph.nodes[node] for node in way.nodes]
     x, y = data[0]["notes"].get(PLACE, (0.0, 0.0))
     corners = [str(entry["corner"]) for entry in data]
     turns = [float(entry["turn"]) for entry in data]
-    points = closed_points(corners, turns, lengths, Pose(x, y, data[0]["entry_heading"]))
-    return Outline(points, tuple(nodes), tuple(corners))
+    points = closed_points(corners, turns, way.lengths, Pose(x, y, data[0]["entry_heading"]))
+    return Outline(points, way.nodes, tuple(corners))
 
 
 def closed_points(
@@ -100,13 +93,8 @@ def closed_points(
         heading += turn + lack
         x, y = x + length * math.cos(heading), y + length * math.sin(heading)
         points.append((x, y))
-    gap_x, gap_y = points[-1][0] - start.x, points[-1][1] - start.y
-    total, driven = math.fsum(lengths) or 1.0, 0.0
-    spread = []
-    for (x, y), length in zip(points, lengths, strict=False):
-        spread.append((x - gap_x * driven / total, y - gap_y * driven / total))
-        driven += length
-    return tuple(spread)
+    gap = x - start.x, y - start.y
+    return close_polygon(points[:-1], lengths, gap, math.fsum(lengths) or 1.0)
 
 
 def outlines(hybrid: HybridMap) -> list[Outline]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
 
+from ...maps.boundary.walk import onward, walk
 from ...world.robot import wrap_angle
 
 if TYPE_CHECKING:
@@ -80,11 +81,7 @@ class BoundaryFilter:
         corners = [node for node in hybrid_map.nodes() if nodes[node]["corner"] != "none"]
         self._corner = {node: str(nodes[node]["corner"]) for node in corners}
         self._turn = {node: float(nodes[node]["turn"]) for node in nodes}
-        self._onward: dict[int, tuple[int, float]] = {}
-        for node in nodes:
-            arc = hybrid_map.next_arc(node, side)
-            if arc is not None:
-                self._onward[node] = (arc.end, arc.distance)
+        self._onward = onward(hybrid_map, side)
         self._next = {node: found for node in corners if (found := self._next_corner(node)) is not None}
         self._into = dict(self._next.values())
         self._loop = {node: self._loop_of(node) for node in nodes}
@@ -122,28 +119,15 @@ class BoundaryFilter:
 
     def _next_corner(self, node: int) -> tuple[int, float] | None:
         """The corner that follows a node, past bends, and how far (m) it is."""
-        at, length = node, 0.0
-        for _ in self._turn:
-            if at not in self._onward:
-                return None
-            at, step = self._onward[at]
-            length += step
-            if at in self._corner:
-                return at, length
-        return None
+        way = walk(self._onward, node, self._corner)
+        return (way.end, way.length) if way.end in self._corner else None
 
     def _loop_of(self, node: int) -> _Loop:
         """The boundary on which `node` is, followed forward."""
-        nodes, at, length = [node], node, 0.0
-        while at in self._onward:
-            at, step = self._onward[at]
-            length += step
-            if at in nodes:
-                break
-            nodes.append(at)
-        closed = at == node and len(nodes) > 1
-        turn = math.fsum(self._turn[each] for each in nodes) if closed else 0.0
-        return _Loop(min(nodes), round(length, 6), math.copysign(1.0, turn) if turn else 0.0)
+        way = walk(self._onward, node)
+        closed = way.closed and len(way.nodes) > 1
+        turn = math.fsum(self._turn[each] for each in way.nodes) if closed else 0.0
+        return _Loop(min(way.nodes), round(way.length, 6), math.copysign(1.0, turn) if turn else 0.0)
 
     def corner(self, kind: str, length: float) -> None:
         """Tells the next corner, `length` m after the one before, or after the wall was met."""

@@ -1,1 +1,1 @@
-"""The boundary of a map: the walk along its arcs."""
+"""The boundaries of a map: walks along its arcs, and where they lie."""

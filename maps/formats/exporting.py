@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...world.robot import EPUCK
+from ..boundary.layout import layout
 from ..errors import MapError, MapFileExistsError
 from ..hybrid_map import HybridMap
-from ..layout import layout
 from ..storage.writer import file_errors, sibling
 from .json_map import to_json
 

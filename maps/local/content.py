@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import MapError, some
-from ..som.lattice import Floats, Ints
-from ..som.som import SOM, Method
+
+if TYPE_CHECKING:
+    from ..som.lattice import Floats, Ints
+    from ..som.som import SOM, Method
 
 PANORAMA_SHAPE = (4, 16, 16)
 """Views ahead, left, behind, right of the entry heading, each (16, 16) luminance in [0, 1]."""

@@ -10,9 +10,12 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise, product
+from typing import TYPE_CHECKING
 
-from ..boundary.walk import Boundary
 from ..errors import NoMatchError
+
+if TYPE_CHECKING:
+    from ..boundary.walk import Boundary
 
 SAME_CORNER, OTHER_CORNER = math.log(0.97 / 0.5), math.log(0.03 / 0.5)
 TURN_SIGMA = math.radians(15.0)
@@ -94,9 +97,9 @@ def _all_alignments(one: Boundary, other: Boundary) -> Iterator[Alignment]:
 
 def _step_scores(one: Boundary, k: int, other: Boundary, m: int) -> list[list[float]]:
     """What going k nodes on from i and m nodes on from j gains, as table [i][j]."""
-    ends = [_between(other, j, j + m) for j in range(len(other))]
+    ends = [other.between(j, j + m) for j in range(len(other))]
     skipping = (k + m - 2) * SKIP
-    return [[skipping + _length_score(_between(one, i, i + k), end) for end in ends] for i in range(len(one))]
+    return [[skipping + _length_score(one.between(i, i + k), end) for end in ends] for i in range(len(one))]
 
 
 def _close_gaps(one: Boundary, other: Boundary, found: Alignment) -> Alignment:
@@ -128,7 +131,7 @@ def _close_gaps(one: Boundary, other: Boundary, found: Alignment) -> Alignment:
 
 
 def _span_score(one: Boundary, i: int, steps: int, other: Boundary, j: int, others: int) -> float:
-    return _length_score(_between(one, i, i + steps), _between(other, j, j + others))
+    return _length_score(one.between(i, i + steps), other.between(j, j + others))
 
 
 def _trace(
@@ -144,10 +147,6 @@ def _trace(
         pairs.append((step[0] % rows, step[1] % cols))
         step = came[step]
     return Alignment(tuple(reversed(pairs)), score)
-
-
-def _between(boundary: Boundary, start: int, end: int) -> float:
-    return sum(boundary.lengths[index % len(boundary)] for index in range(start, end))
 
 
 def _pair_score(one: Boundary, i: int, other: Boundary, j: int) -> float:

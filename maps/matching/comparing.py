@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..boundary.walk import Boundary, boundaries, mean_angle
 from ..errors import NoMatchError
-from ..hybrid_map import HybridMap
-from ..local.local_map import LocalMap
 from .alignment import MARGIN, Alignment, align
 from .frames import Frames, has_place
+
+if TYPE_CHECKING:
+    from ..hybrid_map import HybridMap
+    from ..local.local_map import LocalMap
 
 LEAST_MATCHED = 0.6
 """Share of the nodes of the larger closed boundary (of the smaller one, if either is open) to be matched."""

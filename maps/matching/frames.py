@@ -7,13 +7,16 @@ the map knows its place; once the outer boundaries are matched so are the frames
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..boundary.walk import Boundary
-from ..hybrid_map import HybridMap
-from ..layout import PLACE, Point, layout
+from ..boundary.layout import PLACE, Point, layout
+
+if TYPE_CHECKING:
+    from ..boundary.walk import Boundary
+    from ..hybrid_map import HybridMap
 
 SAME_PLACE = 0.1
 """Meters by which the places of one corner in two maps may differ, at most: forays are driven by odometry."""

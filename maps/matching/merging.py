@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import fields, replace
 
+from ..boundary.layout import PLACE, is_point
 from ..hybrid_map import Arc, HybridMap
-from ..layout import PLACE, is_point
 from ..local.content import LocalMapContent
 from ..local.local_map import LocalMap
 from .comparing import Comparison, compare

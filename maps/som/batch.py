@@ -4,36 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .dead_units import fill
-from .initialization import principal_planes
-from .lattice import SHARED_UNITS, Floats, Ints, Lattice
-from .sample_space import SampleSpace
-from .schedules import BatchConfig
+from .dead_units import revive_dead_units
+
+if TYPE_CHECKING:
+    from .lattice import Floats, Ints, Lattice
+    from .sample_space import SampleSpace
+    from .schedules import BatchConfig
 
 TORN_COUNTS = 4.0
 """A start that tears 1 % of the samples more must have an error lower by this many per cent to be kept."""
 
 
 def train_batch(
-    lattice: Lattice, samples: Floats, config: BatchConfig, weights: Floats | None
+    lattice: Lattice, space: SampleSpace, config: BatchConfig, scores: Floats
 ) -> tuple[Floats, int, bool]:
-    """Trains on (n, dims) samples: (units, dims) new weights, passes done, whether it settled.
+    """Trains on the samples of a space: (units, dims) new weights, passes done, whether it settled.
 
-    weights: (units, dims) to start from; None: the plane of the two principal components, laid
-    `config.starts` ways at once, of which the best is kept.
+    scores: (n, starts * units) of the first weights, one start after another; the best start is kept.
     """
-    space = SampleSpace.of(samples)
-    if weights is None:
-        scores = space.scores(principal_planes(lattice, space, config.starts))
-    else:
-        scores = space.scores_of(weights)
     coordinates, passes, settled = _passes(lattice, space, config, scores)
     best = _best(lattice, space, coordinates)
     if config.fill:
-        best = fill(lattice, best, space)
+        best = revive_dead_units(lattice, best, space)
     return space.leave(best), passes, settled
 
 
@@ -41,7 +37,7 @@ def _passes(
     lattice: Lattice, space: SampleSpace, config: BatchConfig, scores: Floats
 ) -> tuple[Floats, int, bool]:
     """Coordinates (m, starts * units) after training from scores (n, starts * units) of the first weights."""
-    schedule = _schedule(lattice, config) if lattice.units <= SHARED_UNITS else _steps(lattice, config)
+    schedule = _schedule(lattice, config) if lattice.shared else _steps(lattice, config)
     count, width = scores.shape
     winners = scores.reshape(count, -1, lattice.units).argmin(axis=2)
     coordinates, done, settled = np.empty((0, width)), 0, False

@@ -1,18 +1,22 @@
-"""After batch training: units that win nothing take over samples that share a unit, if the topology allows.
+"""Dead units: after batch training, units that win nothing take over samples that share a unit.
 
 With about as many units as samples, batch training leaves some units without samples while others hold
-several. A free neighbor of a crowded unit is put onto the worst of its samples, as growing neural gas inserts
-units next to the largest error (Fritzke 1995), but only when no sample more has its two best units apart on
-the lattice. Then every unit goes to the mean of its samples, as often as that helps, on the same condition.
+several. A dead unit beside a crowded one is put onto the worst of its samples, as growing neural gas inserts
+units next to the largest error (Fritzke 1995), but only where that tears no further sample (whose two best
+units would no longer be neighbors). Then every unit goes to the mean of its samples, as often as that helps,
+on the same condition.
 """
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
-from .lattice import Floats, Ints, Lattice
-from .sample_space import SampleSpace
+if TYPE_CHECKING:
+    from .lattice import Floats, Ints, Lattice
+    from .sample_space import SampleSpace
 
 LIMIT = 256
 """Maps of more units or samples are left as they are: each move looks at all pairs."""
@@ -20,12 +24,12 @@ LIMIT = 256
 _SETTLING = 2
 
 
-def fill(lattice: Lattice, coordinates: Floats, space: SampleSpace) -> Floats:
+def revive_dead_units(lattice: Lattice, coordinates: Floats, space: SampleSpace) -> Floats:
     """(m, units) coordinates with a quantization and a topographic error no higher than before."""
     if len(space) > LIMIT or not 2 < lattice.units <= LIMIT:
         return coordinates
     coordinates, apart, between = coordinates.copy(), space.apart(coordinates), space.between()
-    _move_free_units(lattice, coordinates, space, apart, between)
+    _move_dead_units(lattice, coordinates, space, apart, between)
     return _settle(lattice, coordinates, space, apart)
 
 
@@ -45,17 +49,17 @@ def _settle(lattice: Lattice, coordinates: Floats, space: SampleSpace, apart: Fl
     return coordinates
 
 
-def _move_free_units(
+def _move_dead_units(
     lattice: Lattice, coordinates: Floats, space: SampleSpace, apart: Floats, between: Floats
 ) -> None:
-    """Moves free units one at a time, in place, until no move helps: moves that mend a torn sample first."""
+    """Moves dead units one at a time, in place, until no move helps; those that join a torn sample first."""
     for _ in range(2 * lattice.units):
         order, far = _three_best(apart)
         winners = order[:, 0]
-        free = np.bincount(winners, minlength=lattice.units) == 0
+        dead = np.bincount(winners, minlength=lattice.units) == 0
         worst = np.argsort(-far[:, 0], kind="stable")
         worst = worst[far[worst, 0] > 1e-12]
-        rows, units = np.nonzero(lattice.adjacency[winners[worst]] & free)
+        rows, units = np.nonzero(lattice.adjacency[winners[worst]] & dead)
         if not len(rows):
             return
         samples = worst[rows]
@@ -80,7 +84,7 @@ def _three_best(apart: Floats) -> tuple[Ints, Floats]:
 
 
 def _torn_after(lattice: Lattice, order: Ints, far: Floats, moved: Floats, units: Ints) -> NDArray[np.int64]:
-    """(moves,) how many samples are torn once free `units` lie at distances `moved` (moves, n), each alone.
+    """(moves,) how many samples are torn once dead `units` lie at distances `moved` (moves, n), each alone.
 
     order, far: (n, 3) each sample's best units now and their squared distances.
     """

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import MapError
-from .lattice import Floats, Lattice
 from .sample_space import SampleSpace
-from .schedules import Start
+
+if TYPE_CHECKING:
+    from .lattice import Floats, Lattice
+    from .schedules import Start
 
 _TURNS = (
     ((1.0, 0.0), (0.0, 1.0)),

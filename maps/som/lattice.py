@@ -52,6 +52,11 @@ class Lattice:
         """How many units there are."""
         return self.rows * self.cols
 
+    @property
+    def shared(self) -> bool:
+        """Whether it is so small that its tables are kept for the next SOM of its shape."""
+        return self.units <= SHARED_UNITS
+
     @cached_property
     def positions(self) -> Floats:
         """(units, 2) x, y in lattice units; direct neighbors are 1 apart. Read-only."""

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .lattice import Floats, Ints, Lattice
-from .schedules import OnlineConfig
+if TYPE_CHECKING:
+    from .lattice import Floats, Ints, Lattice
+    from .schedules import OnlineConfig
 
 
 def train_online(
@@ -29,7 +31,7 @@ def train_online(
     return run(lattice, weights, samples, config, order)
 
 
-Near = Callable[[int], Floats]
+Near = Callable[[int], "Floats"]
 """(units,) how much each unit moves along with a winner, 1 for the winner itself."""
 
 

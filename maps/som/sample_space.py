@@ -8,11 +8,12 @@ they are. Exact up to rounding either way.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from .lattice import Floats
+if TYPE_CHECKING:
+    from .lattice import Floats
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,12 +9,14 @@ one pass.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from ..errors import MapError
-from .lattice import Floats
+
+if TYPE_CHECKING:
+    from .lattice import Floats
 
 Start = Literal["pca", "grid", "random", "samples"]
 
@@ -82,8 +84,8 @@ class BatchConfig:
 
     The Gaussian radius shrinks geometrically from `radius` to `radius_end` in `passes` passes, then stays
     until the best-matching units repeat, for at most `max_passes` in all. starts: from how many turned planes
-    at once, of which the best is kept (start "pca" alone). fill: units left without samples then take over
-    samples that share one (see `filling`).
+    at once, of which the best is kept (start "pca" alone). fill: dead units, left without samples, then
+    take over samples that share one (see `dead_units`).
     """
 
     passes: int = 12

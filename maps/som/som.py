@@ -10,9 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import MapError, NotTrainedError
 from .batch import train_batch
-from .initialization import starting_weights
+from .initialization import principal_planes, starting_weights
 from .lattice import Floats, Ints, Topology, frozen, lattice_of
 from .online import squared_distances, train_online
+from .sample_space import SampleSpace
 from .schedules import BATCH, Config, OnlineConfig
 
 Method = Literal["best", "nearest", "radial"]
@@ -35,7 +36,7 @@ class Training:
 class SOM:
     """A self-organizing map: weights (units, dims) on a hexagonal or rectangular lattice, 1-d or 2-d.
 
-    `fit` starts anew, `partial_fit` goes on from the weights there are; `transform` and `predict` as in
+    `fit` starts over, `partial_fit` goes on from the weights there are; `transform` and `predict` as in
     scikit-learn. Plain data throughout: what is saved is the lattice and the weights.
     """
 
@@ -91,7 +92,7 @@ class SOM:
         return self.lattice.units
 
     def fit(self, samples: ArrayLike, config: Config = BATCH, rng: np.random.Generator | None = None) -> Self:
-        """Trains anew on (n, dims) samples from the config's starting weights. Raises: MapError."""
+        """Trains on (n, dims) samples from the config's starting weights. Raises: MapError."""
         data = self._checked_samples(samples)
         start = None
         if config.start != "pca" or isinstance(config, OnlineConfig):
@@ -115,7 +116,12 @@ class SOM:
             source = rng if rng is not None else np.random.default_rng(0)
             weights, steps, converged = train_online(self.lattice, start, data, config, source)
         else:
-            weights, steps, converged = train_batch(self.lattice, data, config, start)
+            space = SampleSpace.of(data)
+            if start is None:
+                scores = space.scores(principal_planes(self.lattice, space, config.starts))
+            else:
+                scores = space.scores_of(start)
+            weights, steps, converged = train_batch(self.lattice, space, config, scores)
         self._weights = frozen(np.ascontiguousarray(weights))
         self.training = Training(len(data), steps, converged)
         return self

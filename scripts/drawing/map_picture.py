@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...maps import HybridMap, LocalMap
-from ...maps.layout import layout
+from ...maps.boundary.layout import layout
 from ...world.arenas.catalog import find_world
 from ...world.errors import WorldError
 from ...world.robot import Pose

@@ -7,9 +7,9 @@ import networkx as nx
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tolman.maps.boundary.layout import layout
 from tolman.maps.errors import MapError, NoPathError, UnknownNodeError
 from tolman.maps.hybrid_map import HybridMap
-from tolman.maps.layout import layout
 from tolman.maps.meta import MapMeta
 
 

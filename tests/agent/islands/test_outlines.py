@@ -12,8 +12,8 @@ from tolman.agent.islands.outlines import (
     outlines,
     uncovered,
 )
+from tolman.maps.boundary.layout import PLACE
 from tolman.maps.hybrid_map import HybridMap
-from tolman.maps.layout import PLACE
 from tolman.maps.meta import MapMeta
 from tolman.world.robot import Pose
 

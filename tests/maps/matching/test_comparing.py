@@ -6,10 +6,10 @@ import math
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tolman.maps.boundary.layout import PLACE, layout
 from tolman.maps.boundary.walk import boundaries
 from tolman.maps.errors import NoMatchError
 from tolman.maps.hybrid_map import HybridMap
-from tolman.maps.layout import PLACE, layout
 from tolman.maps.matching.comparing import compare
 from tolman.maps.matching.frames import Frames
 from tolman.maps.matching.merging import merge

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
-from .hybrid_map import HybridMap
+from .walk import Walk, close_polygon, onward, walk
+
+if TYPE_CHECKING:
+    from ..hybrid_map import HybridMap
 
 Point = tuple[float, float]
 
@@ -15,35 +19,34 @@ PLACE = "place_m"
 def layout(hybrid: HybridMap) -> dict[int, Point]:
     """x, y (m) of every node in the map frame: the first part begins at (0, 0), others lie where a note says.
 
-    Parts without such a note (`PLACE`) are set side by side.
-
-    An arc of the side mapped with leaves a node along its entry heading plus its turn, straight on. What is
-    missing when a loop comes back to its start is spread over its arcs by length. For pictures: navigation
-    never uses it.
+    Parts without such a note (`PLACE`) are set side by side. An arc of the side mapped with leaves a node
+    along its entry heading plus its turn, straight on. What is missing when a loop comes back to its start is
+    spread over its arcs by length. For pictures: navigation never uses it.
     """
     side = "left" if hybrid.meta.side == "left" else "right"
+    follow = onward(hybrid, side)
     places: dict[int, Point] = {}
     offset = 0.0
     for start in _starts(hybrid, side):
         if start in places:
             continue
-        chain, part = [start], {start: (0.0, 0.0)}
-        position, back = (0.0, 0.0), None
-        while (arc := hybrid.next_arc(chain[-1], side)) is not None:
-            position = _ahead(hybrid, chain[-1], position, arc.distance)
-            if arc.end in part or arc.end in places:
-                back = arc.end
-                break
-            part[arc.end] = position
-            chain.append(arc.end)
-        if back == start:
-            _spread(hybrid, chain, part, position, side)
+        part = _laid_out(hybrid, walk(follow, start, places))
         known = _known_place(hybrid, part)
         aside = offset - min(x for x, _ in part.values()) if places else 0.0
         dx, dy = (aside, 0.0) if known is None else known
         places.update({node: (x + dx, y + dy) for node, (x, y) in part.items()})
         offset = max(x for x, _ in places.values()) + 0.5
     return places
+
+
+def _laid_out(hybrid: HybridMap, way: Walk) -> dict[int, Point]:
+    """x, y (m) of the nodes of a walk that begins at (0, 0); a closed one ends where it began."""
+    points: list[Point] = [(0.0, 0.0)]
+    for node, length in zip(way.nodes, way.lengths, strict=False):
+        points.append(_ahead(hybrid, node, points[-1], length))
+    if way.closed:
+        points = [*close_polygon(points[:-1], way.lengths, points[-1], way.length or 1.0)]
+    return dict(zip(way.nodes, points, strict=False))
 
 
 def _known_place(hybrid: HybridMap, part: dict[int, Point]) -> Point | None:
@@ -73,13 +76,3 @@ def _ahead(hybrid: HybridMap, node: int, position: Point, distance: float) -> Po
     data = hybrid.graph.nodes[node]
     heading = data["entry_heading"] + data["turn"]
     return position[0] + distance * math.cos(heading), position[1] + distance * math.sin(heading)
-
-
-def _spread(hybrid: HybridMap, chain: list[int], part: dict[int, Point], end: Point, side: str) -> None:
-    """Shifts the nodes of a closed chain so that it ends where it began."""
-    lengths = [arc.distance for node in chain if (arc := hybrid.next_arc(node, side)) is not None]
-    total, driven = sum(lengths) or 1.0, 0.0
-    for node, length in zip(chain, lengths, strict=False):
-        x, y = part[node]
-        part[node] = (x - end[0] * driven / total, y - end[1] * driven / total)
-        driven += length
