@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-FOLDERS = ("world", "maps", "agent", "behaviors", "plugins", "scripts")
+FOLDERS = ("files", "world", "maps", "agent", "behaviors", "plugins", "scripts")
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 
 

@@ -1,0 +1,1 @@
+"""Files that nobody trusts: read and written within bounds, with errors that say what is wrong and where."""
