@@ -9,7 +9,7 @@ from __future__ import annotations
 import logging
 from collections import defaultdict
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
 _log = logging.getLogger(__name__)
@@ -83,6 +83,8 @@ class CornerReached(Event):
     max_heading_change: rad, by how much the direction of the wall just followed changed within 10 cm, at
     most; walls that are straight have none. unobserved_length: m of the path, the last, on which nothing
     told the wall's direction: before a convex corner it has ended already, and `heading` is that of before.
+    number: of the corner in this run, from 1 on, given by the bus when it is published: others say by it
+    which corner they mean.
     """
 
     side: str
@@ -92,6 +94,7 @@ class CornerReached(Event):
     turn: float
     max_heading_change: float = 0.0
     unobserved_length: float = 0.0
+    number: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,11 +112,11 @@ class WallMet(Event):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NodeCreated(Event):
-    """The map has a new node, where the robot stood at `met_at` (simulated seconds)."""
+    """The map has a new node. corner: its kind. met: number of the `CornerReached` that it was made for."""
 
     node: int
     corner: str
-    met_at: float
+    met: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -144,13 +147,13 @@ class LocalMapBuilt(Event):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoopClosed(Event):
-    """The robot recognized that it was back at `node` at `met_at` (simulated seconds).
+    """The robot recognized that it was back at `node` when it met corner number `met`.
 
     past: m, how far beyond the node it was along the wall, where the node is on a bend.
     """
 
     node: int
-    met_at: float
+    met: int
     past: float = 0.0
 
 
@@ -275,6 +278,8 @@ class EventBus:
         self._queue: list[Event] = []
         self._handlers: dict[type[Event], list[Subscription]] = defaultdict(list)
         self.dropped = 0
+        self.corners = 0
+        """Number of the last `CornerReached`."""
 
     def subscribe(self, event_type: type[E], handler: Callable[[E], None], owner: str = "") -> Subscription:
         """Has `handler` called with each event of the type (or a subtype) at the end of its tick."""
@@ -297,6 +302,9 @@ class EventBus:
         if len(self._queue) >= self._limit:
             self.dropped += 1
             return False
+        if isinstance(event, CornerReached):
+            self.corners += 1
+            event = replace(event, number=self.corners)
         self._queue.append(event)
         return True
 

@@ -112,6 +112,11 @@ class Listener:
         return self._outcome
 
     @property
+    def done(self) -> bool:
+        """Whether it has ended."""
+        return self._outcome is not None
+
+    @property
     def reason(self) -> str:
         """Why it ended; empty before."""
         return "" if self._outcome is None else self._outcome.reason

@@ -51,7 +51,7 @@ class Pipeline:
         self.begin()
 
     def begin(self) -> None:
-        """Begins anew from the start."""
+        """Begins from the start."""
         profile = find_profile("default")
         request = MapRequest(world=self.spec.name, output=Path("unused"), global_only=True, model=self.model)
         self.world: Any = open_world(self.spec, model=self.model, noise="thesis", seed=1)
@@ -59,13 +59,10 @@ class Pipeline:
             make_agent(request, self.world, {}, robot, profile) for robot in range(len(self.world.robots))
         ]
         self.mappers = [
-            make_mapper(
-                profile, request, agent, HybridMap(MapMeta()), _no_local_map, lambda node, met_at: None
-            )
-            for agent in self.agents
+            make_mapper(profile, request, agent, HybridMap(MapMeta()), _Nowhere()) for agent in self.agents
         ]
         for mapper in self.mappers:
-            mapper.begin()
+            mapper.start()
 
     def step(self) -> None:
         """One control tick: every agent senses, decides and commands, and the world steps."""
@@ -74,13 +71,23 @@ class Pipeline:
         self.world.step()
 
     def renew(self) -> None:
-        """Begins anew where the first robot has its map; called between measurements."""
+        """Begins again where the first robot has its map; called between measurements."""
         if self.mappers[0].done:
             self.begin()
 
 
-def _no_local_map(samples: Any, heading: float) -> Any:
-    raise AssertionError("no local maps here")
+class _Nowhere:
+    """Keeps nothing of what is mapped."""
+
+    def build(self, samples: Any, entry_heading: float) -> Any:
+        """Not asked for."""
+        raise AssertionError("no local maps here")
+
+    def commit(self, node: int, corner: Any) -> None:
+        """Keeps nothing."""
+
+    def rest(self, nodes: Any, arcs: Any) -> None:
+        """Keeps nothing."""
 
 
 class Parts:

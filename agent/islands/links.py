@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from ...maps.errors import NoPathError
 from ..goals import Crossing
+from ..mapping.base import ArcKey
 from ..navigation.corners import CROSSING
 from .coverage import best_link
 from .outlines import Outline
@@ -16,7 +17,6 @@ from .outlines import Outline
 if TYPE_CHECKING:
     from ...maps.hybrid_map import Arc, HybridMap
 
-ArcKey = tuple[int, int, str]
 _SAME_PLACE = 0.12
 """Meters between the middles of two outlines of one obstacle, at most."""
 _LINKS = 3

@@ -11,7 +11,7 @@ from the wall that a line leaves, so that its end is known well enough to tell a
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
@@ -21,19 +21,22 @@ from ...world.robot import Percept, Pose, wrap_angle
 from ..boundary.trace import BEND
 from ..events import CornerReached, Localized, LoopClosed, Lost, NodePassed, NodeReached
 from ..goals import Crossing, Follow, FollowFrom
+from ..listener import Listener
 from ..localization.localizer import Localizer
-from ..mapping.corners import Phase
+from ..mapping.base import ArcKey, MapSink
+from ..mapping.corners import Mapper, MappingConfig
 from ..navigation.corners import ONWARD, Navigator
 from ..navigation.crossing import ForayDrive, Stage
 from .coverage import ScoutConfig, Scouting, node_at, nodes_near, pose_at
-from .links import ArcKey, arcs_into, is_same, leads, link_islands, take_back, unproven_link
+from .links import arcs_into, is_same, leads, link_islands, take_back, unproven_link
 from .outlines import Chord, Outline, outline_from
 
 if TYPE_CHECKING:
     from ...maps.hybrid_map import HybridMap
+    from ...maps.local.local_map import LocalMap
     from ..agent import Agent
     from ..behavior import Context
-    from ..mapping.corners import Mapper
+    from ..goals import LocalSamples
 
 _TRACK_STEP = 0.04
 _ROUND = 2.4 * math.pi
@@ -59,41 +62,32 @@ class Doing(Enum):
     DONE = "done"
 
 
-class IslandMapper:
-    """Maps a boundary and then the islands within, with a `Mapper` for each.
+class IslandMapper(Listener):
+    """Maps a boundary and then the islands within, with a `Mapper` for each, whose sink it is.
 
-    make: a mapper that calls what it is given with each node it commits. on_rest: called while the robot
-    stands at a known node, so that all can be saved, with nodes and arcs that were taken back. scouted: why
-    the search for islands ended.
+    Its own sink's `rest` is called while the robot stands at a known node, so that all can be saved. forays:
+    how many crossings were driven. islands: how many it found. scouted: why the search for them ended.
     """
 
     def __init__(
         self,
         agent: Agent,
         hybrid_map: HybridMap,
-        make: Callable[[Callable[[int, float], None]], Mapper],
-        on_commit: Callable[[int, float], None] = lambda node, met_at: None,
-        on_rest: Callable[[Sequence[int], Sequence[ArcKey]], None] = lambda nodes, arcs: None,
-        config: ScoutConfig = ScoutConfig(),  # noqa: B008  frozen
+        sink: MapSink,
+        config: MappingConfig = MappingConfig(),  # noqa: B008  frozen
+        scouting: ScoutConfig = ScoutConfig(),  # noqa: B008  frozen
     ) -> None:
-        """Subscribes to the agent's events and watches its ticks."""
-        self.agent, self.map, self.config = agent, hybrid_map, config
-        self.reason = ""
+        """Listens to the agent's events; `start` starts the drive."""
+        super().__init__(agent)
+        self.agent, self.map, self.sink, self.config = agent, hybrid_map, sink, scouting
+        self.side = config.side
         self.scouted = ""
         self.forays = 0
         self.islands = 0
-        self._make, self._on_commit, self._on_rest = make, on_commit, on_rest
+        self._mapping = config
         self._doing = Doing.BOUNDARY
-        subscribe = agent.bus.subscribe
-        subscribe(CornerReached, self._on_corner)
-        subscribe(LoopClosed, self._on_closed)
-        subscribe(NodePassed, self._on_passed)
-        subscribe(NodeReached, self._on_reached)
-        subscribe(Localized, self._on_localized)
-        subscribe(Lost, self._on_lost)
-        self.mapper = make(self._commit)
+        self.mapper = Mapper(agent, hybrid_map, self, config, self._take_corner)
         self._mismatch = self.mapper.mismatch
-        self.side = self.mapper.config.side
         self._navigator: Navigator | None = None
         self._drive = ForayDrive(agent, self.side, self._on_done, self._on_landed)
         self._scouting: Scouting | None = None
@@ -110,7 +104,12 @@ class IslandMapper:
         self._leaves = 0
         self._maybe: set[int] = set()
         self._gone: tuple[list[int], list[ArcKey]] = ([], [])
-        agent.attach(self)
+        self.listen(CornerReached, self._on_corner)
+        self.listen(LoopClosed, self._on_closed)
+        self.listen(NodePassed, self._on_passed)
+        self.listen(NodeReached, self._on_reached)
+        self.listen(Localized, self._on_localized)
+        self.listen(Lost, self._on_lost)
 
     # --- what a run needs -----------------------------------------------------------------------------
 
@@ -119,32 +118,25 @@ class IslandMapper:
         """The node the robot is at, or met last; -1 if it does not know."""
         return self.mapper.current if self._doing in (Doing.BOUNDARY, Doing.ISLAND) else self._node
 
-    @property
-    def done(self) -> bool:
-        """Whether everything has ended; `reason` says why."""
-        return bool(self.reason)
-
-    def begin(self) -> None:
-        """Starts with the wall nearest ahead."""
-        self.mapper.begin()
-
-    def drive_on(self) -> None:
-        """Goes on after `restore`."""
+    def start(self) -> None:
+        """Starts with the wall nearest ahead, or goes on after `restore`."""
+        super().start()
         if self._doing in (Doing.BOUNDARY, Doing.ISLAND):
-            self.mapper.drive_on()
+            self.mapper.start()
         elif self._node < 0:
             self._end("loop closed", "lost on a foray")
         else:
             self._choose()
 
-    def stop(self, reason: str) -> None:
+    def stop(self, reason: str = "cancelled") -> None:
         """Ends it where it is."""
-        self.mapper.stop(reason)
-        self._drive.release()
-        self._end(reason, "stopped")
+        if not self.done:
+            self.mapper.stop(reason)
+            self._drive.release()
+            self._end(reason, "stopped")
 
     def state(self) -> dict[str, Any]:
-        """What a resumed mapping needs, as JSON; to be taken in `on_commit` and `on_rest`."""
+        """What a resumed mapping needs, as JSON; to be taken when the sink is called."""
         mapping = self._doing in (Doing.BOUNDARY, Doing.ISLAND)
         return {
             "doing": self._doing.name,
@@ -161,10 +153,11 @@ class IslandMapper:
             "turned": self._turned,
             "corner": None if self._corner is None else asdict(self._corner),
             "anchored": self._anchored,
+            "heard": self.agent.bus.corners,
         }
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Goes back to a `state`; `drive_on` then goes on from there."""
+        """Goes back to a `state`."""
         self._doing = Doing[state["doing"]]
         if self._doing is not Doing.BOUNDARY:
             self.mapper.stop("the boundary is mapped")
@@ -186,6 +179,7 @@ class IslandMapper:
         self._turned = state["turned"]
         self._corner = None if state["corner"] is None else CornerReached(**state["corner"])
         self._anchored = state["anchored"]
+        self.agent.bus.corners = int(state.get("heard", 0))
 
     def update(self, percept: Percept, context: Context) -> None:
         """Watches for what has no event: a mapping given up, an island without corners."""
@@ -225,7 +219,7 @@ class IslandMapper:
 
     def _save(self) -> None:
         gone, self._gone = self._gone, ([], [])
-        self._on_rest(*gone)
+        self.sink.rest(*gone)
 
     def _choose(self) -> None:
         assert self._scouting is not None
@@ -340,6 +334,7 @@ class IslandMapper:
         if driven is None or corner is None:
             self._find_wall()
             return
+        self._on_corner(corner)
         node = self._node_at(corner)
         if node is not None:
             self._finding = False
@@ -361,30 +356,42 @@ class IslandMapper:
         self._track, self._turned, self._maybe = [], 0.0, set()
 
     def _new_mapper(self) -> None:
-        self.mapper = self._make(self._commit)
+        self.mapper.close()
+        self.mapper = Mapper(self.agent, self.map, self, self._mapping, self._take_corner)
         self.mapper.meter.mismatch = self._mismatch
 
     def _on_corner(self, event: CornerReached) -> None:
-        """Before the mapper hears of it: the first corner of an island anchors it in the map frame."""
         if event.kind != BEND:
             self._corner = event
-        listening = (
-            event.kind != BEND
-            and self._doing is Doing.ISLAND
-            and self.mapper.phase in (Phase.FOLLOW, Phase.CONFIRM)
-        )
-        if listening and self._recognize(event):
-            return
-        if self._doing is Doing.ISLAND and not self.mapper.trace.corners and self._place is None:
+
+    def _take_corner(self, event: CornerReached) -> bool:
+        """Before the mapper takes a corner: the first of an island anchors it; known ones end its mapping."""
+        self._on_corner(event)
+        if self._doing is not Doing.ISLAND:
+            return False
+        if event.kind != BEND and self._recognize(event):
+            return True
+        if not self.mapper.trace.corners and self._place is None:
             pose = self.agent.odometry.pose
             self._place = Pose(pose.x, pose.y, event.heading)
             self.mapper.heading = event.heading
+        return False
 
-    def _commit(self, node: int, met_at: float) -> None:
+    # --- sink of the mapper ------------------------------------------------------------------------------
+
+    def build(self, samples: LocalSamples, entry_heading: float) -> LocalMap:
+        """As its own sink does."""
+        return self.sink.build(samples, entry_heading)
+
+    def commit(self, node: int, corner: CornerReached) -> None:
+        """Notes where an island's first node is, and hands the node on."""
         if self._doing is Doing.ISLAND and self._first is None and self._place is not None:
             self._first = node
             self.map.annotate(node, **{PLACE: [self._place.x, self._place.y]})
-        self._on_commit(node, met_at)
+        self.sink.commit(node, corner)
+
+    def rest(self, nodes: Sequence[int], arcs: Sequence[ArcKey]) -> None:
+        """Never called: a boundary's mapper takes nothing back."""
 
     def _take_island(self, closed: int) -> None:
         """Its loop is closed at node `closed`: is it new?"""
@@ -483,8 +490,9 @@ class IslandMapper:
     def _end(self, reason: str, scouted: str) -> None:
         if self._gone[0]:
             self._save()
-        self.reason, self.scouted, self._doing = reason, scouted, Doing.DONE
+        self.scouted, self._doing = scouted, Doing.DONE
         self._stop()
+        self.finish(reason == "loop closed", self._node, reason)
 
     def _stop(self) -> None:
         for name in _BEHAVIORS:

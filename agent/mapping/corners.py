@@ -1,44 +1,30 @@
-"""Mapping: from corners and samples to nodes, arcs and local maps, until a loop is closed (section 3.4).
+"""Mapping by corners: each is a node, until those met tell that the boundary has come round (section 3.4).
 
-The mapper drives nothing itself. It starts behaviors, listens to what they report and grows a hybrid map:
-
-    follow the wall -> corner -> (back at a known one? then confirm) -> new node and arc
-    -> explore locally -> train the local map -> come to the corner again -> commit -> follow the wall ...
+follow the wall -> corner -> (back at a known one? then confirm) -> new node and arc
+-> explore locally -> train the local map -> come to the corner again -> commit -> follow the wall ...
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
-from ...world.robot import Percept, wrap_angle
+from ...world.robot import wrap_angle
 from ..boundary.loop_closing import CornerObservation, Finding, LoopDetector
 from ..boundary.trace import BEND, BoundaryTrace, ClosingConfig
 from ..estimation.wall_segments import WallSegmentMeter
 from ..estimation.wheel_calibration import SETTLED, MismatchEstimate
-from ..events import (
-    ArcAdded,
-    BehaviorFinished,
-    CornerReached,
-    LocalMapBuilt,
-    LoopClosed,
-    NodeCommitted,
-    NodeCreated,
-    WallMet,
-)
-from ..goals import ExploreLocally, Follow, FollowFrom, GoAlong, Leg, LocalSamples, ReacquireCorner
+from ..events import BehaviorFinished, CornerReached, LoopClosed, WallMet
+from ..goals import ExploreLocally, Follow, FollowFrom, GoAlong, Leg, ReacquireCorner
 from ..local_goals import walls_at
+from .base import BaseMapper, MapSink, NodeSettings
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from ...maps.hybrid_map import HybridMap
-    from ...maps.local.local_map import LocalMap
     from ..agent import Agent
-    from ..behavior import Context
 
 _START_AT = {"concave": FollowFrom.CONCAVE, "convex": FollowFrom.CONVEX, BEND: FollowFrom.WALL}
 _NAMED = {"concave": "concave", "convex": "convex", BEND: "none"}
@@ -47,7 +33,6 @@ _LEAST_PROBE, _MOST_PROBE = 0.25, 0.6
 """Meters of a wall that are driven twice to tell what is the wall's bending and what the wheels'."""
 _ROUNDS_OF_BENDS = 1.8
 """Rounds after which a boundary without a corner is given up."""
-_STRATEGIES = {"rows": ("rows", "rows"), "columns": ("columns", "columns"), "alternate": ("rows", "columns")}
 
 
 class Phase(Enum):
@@ -58,24 +43,18 @@ class Phase(Enum):
     RETURN = "come to the corner again"
     CONFIRM = "confirm the loop"
     PROBE = "drive there and back along the wall"
-    DONE = "done"
 
 
 @dataclass(frozen=True, slots=True)
-class MappingConfig:
-    """Settings of mapping.
+class MappingConfig(NodeSettings):
+    """Settings of mapping by corners, beside those of every mapper.
 
-    side: of the wall. local_maps: whether to explore around nodes. strategy: "rows", "columns" or
-    "alternate". max_nodes: end after so many, None for no limit. most_rounds: given up after so many times
-    round the boundary. wall_distance: at which walls are followed (m). learn_mismatch: of the wheels, along
-    walls. come_back: to the corner by its wall, after exploring. bend_gate: standard deviation (m) of
-    where path integration finds a place again, up to which a loop is closed at a bend.
+    most_rounds: given up after so many times round the boundary. wall_distance: at which walls are followed
+    (m). learn_mismatch: of the wheels, along walls. come_back: to the corner by its wall, after exploring.
+    bend_gate: standard deviation (m) of where path integration finds a place again, up to which a loop is
+    closed at a bend.
     """
 
-    side: str = "right"
-    local_maps: bool = True
-    strategy: str = "alternate"
-    max_nodes: int | None = None
     most_rounds: float = 3.0
     wall_distance: float = 0.057
     learn_mismatch: bool = True
@@ -84,49 +63,48 @@ class MappingConfig:
     closing: ClosingConfig = field(default_factory=ClosingConfig)
 
 
-class Mapper:
+class Mapper(BaseMapper):
     """Builds a `HybridMap` with an `Agent` that has wall following, local exploration, position correction.
 
-    build: makes a `LocalMap` of the samples and the entry heading (rad, map frame). on_commit: called with
-    each node that is complete, while the robot stands at it, and when it met it first. Done when `reason` is
-    set. The map frame has node 0 at the origin, its x axis along node 0's entry heading; `heading` is that of
-    this boundary's first wall (rad) in it, 0 unless the map has other boundaries already.
+    The map frame has node 0 at the origin, its x axis along node 0's entry heading; `heading` is that of this
+    boundary's first wall (rad) in it, 0 unless the map has other boundaries already.
     """
+
+    behaviors = ("wall-following", "local-exploration", "position-correction", "go-to-node")
 
     def __init__(
         self,
         agent: Agent,
         hybrid_map: HybridMap,
-        build: Callable[[LocalSamples, float], LocalMap],
+        sink: MapSink,
         config: MappingConfig = MappingConfig(),
-        on_commit: Callable[[int, float], None] = lambda node, met_at: None,
+        keeps_out: Callable[[CornerReached], bool] = lambda corner: False,
     ) -> None:
-        """Subscribes to the agent's events; `begin` starts the drive, `drive_on` goes on after `restore`."""
-        self.agent = agent
-        self.map = hybrid_map
+        """Listens to the agent; `start` starts the drive.
+
+        keeps_out: asked of each corner or bend that would be taken; True keeps it out of the map.
+        """
+        super().__init__(agent, hybrid_map, sink, config)
         self.config = config
         self.circuit = LoopDetector(config.closing)
         track = agent.robot.geometry.track
         self.meter = WallSegmentMeter(agent.odometry, track, config.learn_mismatch)
         self.phase = Phase.FOLLOW
-        self.reason = ""
-        self.current = -1
         self.heading = 0.0
-        self._build = build
-        self._on_commit = on_commit
-        self._met_at = 0.0
+        self._keeps_out = keeps_out
         self._corner: CornerReached | None = None
         self._probed: CornerReached | None = None
-        agent.bus.subscribe(CornerReached, self._on_corner)
-        agent.bus.subscribe(WallMet, self._on_wall)
-        agent.bus.subscribe(BehaviorFinished, self._on_finished)
+        self.listen(CornerReached, self._on_corner)
+        self.listen(WallMet, self._on_wall)
+        self.listen(BehaviorFinished, self._on_finished)
 
-    def begin(self) -> None:
-        """Starts following the wall from wherever the robot stands."""
-        self.agent.start("wall-following", Follow(self.config.side))
-
-    def update(self, percept: Percept, context: Context) -> None:
-        """Nothing to do every tick: everything comes by events."""
+    def start(self) -> None:
+        """Follows the wall from wherever the robot stands, after `restore` from the corner it stands at."""
+        super().start()
+        if self._corner is None:
+            self.agent.start("wall-following", Follow(self.config.side))
+        else:
+            self._go_on()
 
     @property
     def trace(self) -> BoundaryTrace:
@@ -139,9 +117,9 @@ class Mapper:
         return self.meter.mismatch
 
     @property
-    def done(self) -> bool:
-        """Whether mapping has ended; `reason` says why."""
-        return bool(self.reason)
+    def listening(self) -> bool:
+        """Whether a corner met now is taken for one of the boundary."""
+        return not self.done and self.phase in (Phase.FOLLOW, Phase.CONFIRM)
 
     @property
     def nodes(self) -> tuple[int, ...]:
@@ -155,20 +133,20 @@ class Mapper:
     # --- state -----
 
     def state(self) -> dict[str, Any]:
-        """What a resumed mapping needs to go on exactly, as JSON; to be taken in `on_commit`."""
+        """What a resumed mapping needs to go on exactly; to be taken while a node is committed."""
         assert self._corner is not None
         return {
+            **super().state(),
             **self.circuit.state(),
-            "current": self.current,
             "corner": asdict(self._corner),
             "wall": None if self.meter.wall is None else asdict(self.meter.wall),
             "mismatch": [self.mismatch.value, self.mismatch.variance],
         }
 
     def restore(self, state: Mapping[str, Any]) -> None:
-        """Goes back to a `state`; `drive_on` then goes on from there."""
+        """Goes back to a `state`."""
+        super().restore(state)
         self.circuit.restore(state)
-        self.current = int(state["current"])
         self._corner = CornerReached(**state["corner"])
         self.meter.met(None if state["wall"] is None else WallMet(**state["wall"]))
         self.mismatch.value, self.mismatch.variance = state["mismatch"]
@@ -178,7 +156,7 @@ class Mapper:
 
     def _on_wall(self, event: WallMet) -> None:
         self.meter.met(event)
-        if self.phase in (Phase.FOLLOW, Phase.CONFIRM) and self._corner is not None:
+        if self.listening and self._corner is not None:
             turn = wrap_angle(event.heading - self._corner.heading)
             self._corner = None
             self.trace.turned(turn)
@@ -187,7 +165,7 @@ class Mapper:
                 self.map.graph.nodes[node]["turn"] = turn
 
     def _on_corner(self, event: CornerReached) -> None:
-        if self.phase not in (Phase.FOLLOW, Phase.CONFIRM):
+        if not self.listening or self._keeps_out(event):
             return
         if event.kind == BEND and self.meter.unsure and event.path_length >= _LEAST_PROBE:
             self._probe(event)
@@ -210,15 +188,16 @@ class Mapper:
         elif judgement.finding is Finding.MAYBE_KNOWN:
             self.phase = Phase.CONFIRM
             if judgement.rejected:
-                # Nodes were committed: a resumed run begins here anew, and so does this one.
+                # Nodes were committed: a resumed run begins again here, and so does this one.
                 self.agent.stop("wall-following")
-                self.drive_on()
+                self._go_on()
         elif self._rounds() > _ROUNDS_OF_BENDS and all(each.kind == BEND for each in self.trace.corners):
-            self.stop(
-                "ambiguous: no corner on this boundary, and nothing tells one of its bends from another"
+            self._end(
+                False,
+                "ambiguous: no corner on this boundary, and nothing tells one of its bends from another",
             )
         elif self._rounds() > self.config.most_rounds:
-            self.stop(f"{self.config.most_rounds:.0f} rounds without recognizing a corner")
+            self._end(False, f"{self.config.most_rounds:.0f} rounds without recognizing a corner")
         else:
             self._add_node(len(self.trace.corners) - 1, event)
             self._explore()
@@ -229,6 +208,8 @@ class Mapper:
         return abs(poses[-1].heading - poses[0].heading) / math.tau
 
     def _on_finished(self, event: BehaviorFinished) -> None:
+        if self.done:
+            return
         if event.behavior == "local-exploration" and self.phase is Phase.EXPLORE:
             self._keep_samples(event.result)
             if self.config.come_back:
@@ -248,15 +229,10 @@ class Mapper:
         """Adds the node of a corner of the trace, and the arcs that join it to the one before."""
         heading = wrap_angle(self.heading + self.trace.poses()[index].heading)
         turn = self.trace.corners[index].turn or 0.0
-        node = self.map.add_node(corner=_NAMED[event.kind], turn=turn, entry_heading=heading)
-        previous, self.current = self.current, node
-        self.circuit.node_of[index] = node
-        self._met_at = event.time
-        self.agent.bus.publish(
-            NodeCreated(time=self.agent.context.time, node=node, corner=event.kind, met_at=event.time)
-        )
+        previous = self._create(event, corner=_NAMED[event.kind], entry_heading=heading, turn=turn)
+        self.circuit.node_of[index] = self.current
         if previous >= 0:
-            self._add_arc(previous, node, event.path_length)
+            self._join(previous, self.current, event.path_length, _variance(event.path_length))
 
     def _probe(self, event: CornerReached) -> None:
         """Drives back along the wall and here again: its bending is undone, what the wheels do is doubled."""
@@ -269,19 +245,20 @@ class Mapper:
         self.agent.start("go-to-node", GoAlong((there, back)))
 
     def _probed_wall(self, succeeded: bool) -> None:
-        """Judges the bend anew, now that the wheels are known."""
+        """Judges the bend again, now that the wheels are known."""
         event, self._probed = self._probed, None
         assert event is not None
         if not succeeded:
-            self.stop("no corner tells where this boundary begins, and its wall could not be driven twice")
+            self._end(
+                False, "no corner tells where this boundary begins, and its wall could not be driven twice"
+            )
             return
         length = min(event.path_length - SETTLED, _MOST_PROBE)
         turned = wrap_angle(self.agent.odometry.heading - event.heading)
         self.meter.calibrate(turned, 2.0 * length, event.path_length)
         self.phase = Phase.FOLLOW
         self._judge(replace(event, heading=wrap_angle(self.agent.odometry.heading)))
-        waits = self.phase in (Phase.FOLLOW, Phase.CONFIRM)
-        if waits and not self.agent.is_active("wall-following"):
+        if self.listening and not self.agent.is_active("wall-following"):
             self.meter.leave()
             self.agent.start("wall-following", Follow(self.config.side, FollowFrom.WALL))
 
@@ -291,10 +268,9 @@ class Mapper:
             self._commit()
             return
         self.phase = Phase.EXPLORE
-        strategy = _STRATEGIES[self.config.strategy][self.current % 2]
-        self.agent.start("local-exploration", self._exploration(strategy))
+        self.agent.start("local-exploration", self._exploration())
 
-    def _exploration(self, strategy: str) -> ExploreLocally:
+    def _exploration(self) -> ExploreLocally:
         """What to explore, and what is known already: the wall it came along and, if square, the next."""
         assert self._corner is not None
         distance = self.config.wall_distance
@@ -304,31 +280,8 @@ class Mapper:
         heading = wrap_angle(self.agent.odometry.heading - self._corner.heading)
         edge = (-distance, -distance if self.config.side == "right" else distance)
         points = (edge,) if self._corner.kind == "convex" else ()
-        return ExploreLocally(
-            strategy, heading, walls, square, self._corner.kind, points, self.agent.odometry.drift_rate
-        )
-
-    def _add_arc(self, source: int, target: int, distance: float) -> None:
-        side = self.config.side
-        self.map.add_arc(source, target, side=side, distance=distance, variance=_variance(distance))
-        self.agent.bus.publish(
-            ArcAdded(time=self.agent.context.time, source=source, target=target, side=side, distance=distance)
-        )
-
-    def _keep_samples(self, samples: Any) -> None:
-        node = self.current
-        if not isinstance(samples, LocalSamples) or len(samples.positions) == 0:
-            return
-        heading = self.map.graph.nodes[node]["entry_heading"]
-        self.map.graph.nodes[node]["local_map"] = self._build(samples, heading)
-        self.agent.bus.publish(
-            LocalMapBuilt(
-                time=self.agent.context.time,
-                node=node,
-                positions=len(samples.positions),
-                panoramas=len(samples.panoramas),
-            )
-        )
+        drift_rate = self.agent.odometry.drift_rate
+        return ExploreLocally(self._strategy, heading, walls, square, self._corner.kind, points, drift_rate)
 
     def _return(self) -> None:
         assert self._corner is not None
@@ -343,16 +296,13 @@ class Mapper:
         self.agent.start("position-correction", ReacquireCorner(self.config.side, self._corner.kind, length))
 
     def _commit(self) -> None:
-        """The node is complete: says so, and drives on."""
         self.phase = Phase.FOLLOW
-        self._on_commit(self.current, self._met_at)
-        self.agent.bus.publish(NodeCommitted(time=self.agent.context.time, node=self.current))
-        if self.config.max_nodes is not None and len(self.circuit.node_of) >= self.config.max_nodes:
-            self.stop("max nodes")
-        else:
-            self.drive_on()
+        super()._commit()
 
-    def drive_on(self) -> None:
+    def _count(self) -> int:
+        return len(self.circuit.node_of)
+
+    def _go_on(self) -> None:
         """Follows the wall from the corner the robot stands at."""
         assert self._corner is not None
         self.meter.leave()
@@ -361,10 +311,9 @@ class Mapper:
 
     def _admit(self, rejected: tuple[CornerObservation, ...]) -> None:
         """They were other places after all: what was taken for known corners becomes nodes, unexplored."""
-        for met in rejected:
-            self._add_node(met.index, met.event)
-            self._on_commit(self.current, self._met_at)
-            self.agent.bus.publish(NodeCommitted(time=self.agent.context.time, node=self.current))
+        for observation in rejected:
+            self._add_node(observation.index, observation.event)
+            self._hand_over()
         if rejected:
             self.phase = Phase.FOLLOW
 
@@ -372,21 +321,14 @@ class Mapper:
         circuit = self.circuit
         closing = circuit.closing
         assert closing is not None
-        first, met_at = circuit.node_of[circuit.candidate], closing.mets[0].event.time
-        self._add_arc(self.current, first, circuit.closing_length)
+        first, length = circuit.node_of[circuit.candidate], circuit.closing_length
+        self._join(self.current, first, length, _variance(length))
         for source, target, length in circuit.driven_again():
             self.map.record_traversal(source, target, self.config.side, length)
         self.current = circuit.here
-        self.agent.bus.publish(
-            LoopClosed(time=self.agent.context.time, node=first, met_at=met_at, past=closing.past)
-        )
-        self.stop("loop closed")
-
-    def stop(self, reason: str) -> None:
-        """Ends mapping: no corner becomes a node any more."""
-        self.reason = reason
-        self.phase = Phase.DONE
-        self.agent.stop("wall-following")
+        time, met = self.agent.context.time, closing.mets[0].event.number
+        self.agent.bus.publish(LoopClosed(time=time, node=first, met=met, past=closing.past))
+        self._end(True, "loop closed")
 
 
 def _variance(distance: float) -> float:

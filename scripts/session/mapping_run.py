@@ -14,8 +14,8 @@ import numpy as np
 from ...agent import Agent, PathIntegrator
 from ...agent.events import CornerReached, LocalMapBuilt, LoopClosed, NodeCreated, Stuck
 from ...agent.goals import LocalSamples
-from ...agent.islands.links import ArcKey
 from ...agent.islands.mapper import IslandMapper
+from ...agent.mapping.base import AnyMapper, ArcKey
 from ...maps.hybrid_map import HybridMap
 from ...maps.local.local_map import LocalMap
 from ...maps.meta import MapMeta
@@ -24,7 +24,7 @@ from ...world import World
 from ...world.robot import Pose
 from ..cli.output import plain
 from .assembly import load_settings, make_agent, make_world
-from .profiles import AnyMapper, Profile, find_profile, make_mapper
+from .profiles import Profile, find_profile, make_mapper
 from .record_run import recorded
 from .requests import MapReport, MapRequest, Progress, SessionError
 from .truth import node_truth, run_truth
@@ -125,9 +125,7 @@ class MappingRun:
         self.request, self.world, self.file, self.progress = request, world, file, progress
         self.profile = profile
         self.agent: Agent = make_agent(request, world, settings, profile=profile)
-        self._met: dict[float, Pose] = {}
-        # Before the mapper subscribes: where a corner truly is must be noted before its node is committed or
-        # taken back.
+        self._met: dict[int, Pose] = {}
         bus = self.agent.bus
         bus.subscribe(CornerReached, self._on_corner)
         bus.subscribe(Stuck, self._on_stuck)
@@ -135,9 +133,7 @@ class MappingRun:
         bus.subscribe(LoopClosed, self._on_closed)
         bus.subscribe(LocalMapBuilt, self._on_local_map)
         self.map = HybridMap(file.map.meta) if not request.resume else file.map
-        self.mapper: AnyMapper = make_mapper(
-            profile, request, self.agent, self.map, self._build, self._commit, self._rest
-        )
+        self.mapper: AnyMapper = make_mapper(profile, request, self.agent, self.map, self)
         self.raw = PathIntegrator(world.robots[0].geometry, world.true_pose())
         self.truth: dict[int, Pose] = {}
         self._track: list[tuple[float, float]] = []
@@ -154,7 +150,7 @@ class MappingRun:
         if self.request.resume and self.file.state is not None:
             self._restore()
         else:
-            self.mapper.begin()
+            self.mapper.start()
         reason = self._loop()
         self.wall_time = time.perf_counter() - began
         self.reason = self.mapper.reason or reason
@@ -182,7 +178,7 @@ class MappingRun:
         if not self._track or abs(pose.x - self._track[-1][0]) + abs(pose.y - self._track[-1][1]) > 0.01:
             self._track.append((pose.x, pose.y))
 
-    def _build(self, samples: LocalSamples, entry_heading: float) -> LocalMap:
+    def build(self, samples: LocalSamples, entry_heading: float) -> LocalMap:
         """Trains a local map, with random numbers of its own so that a resumed run draws the same."""
         return LocalMap.build(
             samples.positions,
@@ -197,18 +193,26 @@ class MappingRun:
     # --- truth and saving ----------------------------------------------------------------------------
 
     def _on_corner(self, event: CornerReached) -> None:
-        """Notes where the robot truly stands, turned by what it believes to be askew to the wall."""
-        pose = self.world.true_pose()
-        skew = self.agent.odometry.heading - event.heading
-        self._met[event.time] = Pose(pose.x, pose.y, pose.heading - skew)
+        self._true_pose(event)
         self._travelled_at_corner = self.agent.odometry.travelled
 
+    def _true_pose(self, corner: CornerReached) -> Pose:
+        """Where the robot truly met a corner, turned by what it believes to be askew to the wall.
+
+        It is noted in the tick in which the corner is met, whoever hears of it first.
+        """
+        if corner.number not in self._met:
+            pose = self.world.true_pose()
+            skew = self.agent.odometry.heading - corner.heading
+            self._met[corner.number] = Pose(pose.x, pose.y, pose.heading - skew)
+        return self._met[corner.number]
+
     def _on_node(self, event: NodeCreated) -> None:
-        self.truth[event.node] = self._met[event.met_at]
+        self.truth[event.node] = self._met[event.met]
         self._report_progress(f"node {event.node}: {event.corner} corner")
 
     def _on_closed(self, event: LoopClosed) -> None:
-        distance = self._met[event.met_at].distance_to(self.truth[event.node])
+        distance = self._met[event.met].distance_to(self.truth[event.node])
         right = abs(distance - abs(event.past)) <= CORRECT_WITHIN
         self._loop_correct = self._loop_correct is not False and right
         self._report_progress(f"loop closed at node {event.node}")
@@ -224,9 +228,9 @@ class MappingRun:
     def _report_progress(self, message: str) -> None:
         self.progress(Progress(self.world.time, self.map.graph.number_of_nodes(), message))
 
-    def _commit(self, node: int, met_at: float) -> None:
+    def commit(self, node: int, corner: CornerReached) -> None:
         """Saves a complete node with all that a resumed run needs; it is on disk when this returns."""
-        self.truth[node] = self._met[met_at]
+        self.truth[node] = self._true_pose(corner)
         nodes = [node] if self._committed is None else [self._committed, node]
         graph = self.map.graph
         arcs = [*graph.in_edges(node, keys=True), *graph.out_edges(node, keys=True)]
@@ -237,7 +241,7 @@ class MappingRun:
         self._committed = node
         self._track = []
 
-    def _rest(self, nodes: Sequence[int], arcs: Sequence[ArcKey]) -> None:
+    def rest(self, nodes: Sequence[int], arcs: Sequence[ArcKey]) -> None:
         """Saves what changed while no node was added, and forgets nodes and arcs that were taken back."""
         for node in nodes:
             self.truth.pop(node, None)
@@ -290,7 +294,7 @@ class MappingRun:
         self._track = [(x, y) for x, y in state.get("track", ())]
         self.truth = {int(node): Pose(*pose) for node, pose in state["truth"].items()}
         self._committed = self.mapper.current
-        self.mapper.drive_on()
+        self.mapper.start()
         self.world.step()
         self._report_progress(f"resumed after node {self.mapper.current}")
 

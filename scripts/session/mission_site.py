@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -9,6 +10,7 @@ from ...agent import Agent
 from ...agent.errors import MissionError
 from ...agent.events import CornerReached, Event, LocalMapBuilt, NodeCreated, Stuck
 from ...agent.goals import LocalSamples
+from ...agent.mapping.base import AnyMapper, ArcKey
 from ...agent.missions.steps import Explore
 from ...agent.missions.tasks import Outcome
 from ...agent.navigation.recovery import RecoveringNavigator
@@ -17,7 +19,7 @@ from ...maps.local.local_map import LocalMap
 from ...maps.storage.map_file import RUN, MapFile, read_truth
 from ...world.robot import Pose
 from .assembly import make_agent
-from .profiles import AnyMapper, find_profile, make_mapper, make_navigator
+from .profiles import find_profile, make_mapper, make_navigator
 from .truth import node_truth, run_truth
 
 if TYPE_CHECKING:
@@ -44,7 +46,7 @@ class Mapping:
             bus.subscribe(CornerReached, self._on_corner),
             bus.subscribe(LocalMapBuilt, self._on_corner),
         ]
-        mapper.begin()
+        mapper.start()
 
     @property
     def outcome(self) -> Outcome | None:
@@ -121,7 +123,7 @@ class RobotSite:
         self.whereabouts = "no map was made or loaded"
         self._mapping: Mapping | None = None
         self.truth: dict[int, Pose] = {}
-        self._met: dict[float, Pose] = {}
+        self._met: dict[int, Pose] = {}
         self.agent.bus.subscribe(CornerReached, self._on_corner)
         self.agent.bus.subscribe(NodeCreated, self._on_node)
 
@@ -132,7 +134,7 @@ class RobotSite:
         request = self.session.map_request(step)
         profile = find_profile(request.profile)
         hybrid_map = HybridMap(self.session.meta(step.side))
-        mapper = make_mapper(profile, request, self.agent, hybrid_map, self._build, lambda node, met_at: None)
+        mapper = make_mapper(profile, request, self.agent, hybrid_map, self)
         self.map, self.truth = hybrid_map, {}
         self._leave()
         self.whereabouts = "the mapping is not done"
@@ -223,6 +225,26 @@ class RobotSite:
             raise LookupError(f"there is no robot {index}; the world has {len(sites)}")
         return sites[index].agent, sites[index]
 
+    # --- sink of the mapper ------------------------------------------------------------------------------
+
+    def build(self, samples: LocalSamples, entry_heading: float) -> LocalMap:
+        """Trains a local map."""
+        first = samples.panoramas[0] if len(samples.panoramas) else None
+        return LocalMap.build(
+            samples.positions,
+            samples.panorama_positions,
+            samples.panoramas,
+            entry_heading=entry_heading,
+            entry_panorama=first,
+            config=find_profile(self.session.request.profile).local_map,
+        )
+
+    def commit(self, node: int, corner: CornerReached) -> None:
+        """Nothing is kept before `Save`."""
+
+    def rest(self, nodes: Sequence[int], arcs: Sequence[ArcKey]) -> None:
+        """Nothing is kept before `Save`."""
+
     # --- after a restart ---------------------------------------------------------------------------------
 
     def state(self) -> dict[str, Any]:
@@ -281,23 +303,12 @@ class RobotSite:
             self.guide.close()
             self.guide = None
 
-    def _build(self, samples: LocalSamples, entry_heading: float) -> LocalMap:
-        first = samples.panoramas[0] if len(samples.panoramas) else None
-        return LocalMap.build(
-            samples.positions,
-            samples.panorama_positions,
-            samples.panoramas,
-            entry_heading=entry_heading,
-            entry_panorama=first,
-            config=find_profile(self.session.request.profile).local_map,
-        )
-
     def _on_corner(self, event: CornerReached) -> None:
         pose = self.session.world.true_pose(self.index)
-        self._met[event.time] = Pose(
+        self._met[event.number] = Pose(
             pose.x, pose.y, pose.heading - (self.agent.odometry.heading - event.heading)
         )
 
     def _on_node(self, event: NodeCreated) -> None:
-        if event.met_at in self._met:
-            self.truth[event.node] = self._met[event.met_at]
+        if event.met in self._met:
+            self.truth[event.node] = self._met[event.met]

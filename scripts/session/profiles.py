@@ -5,23 +5,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 from ...agent import Agent
 from ...agent.boundary.trace import ClosingConfig
-from ...agent.goals import LocalSamples
-from ...agent.islands.links import ArcKey
 from ...agent.islands.mapper import IslandMapper
+from ...agent.mapping.base import AnyMapper, MapSink
 from ...agent.mapping.corners import Mapper, MappingConfig
 from ...agent.mapping.published import ThesisMapper, ThesisMappingConfig
 from ...agent.navigation.corners import Navigator
 from ...agent.navigation.published import ThesisNavigationConfig, ThesisNavigator
 from ...agent.navigation.recovery import AnyNavigator
 from ...maps.hybrid_map import HybridMap
-from ...maps.local.local_map import LocalMap
 from ...maps.local.training import DEFAULT, THESIS_2, LocalMapConfig
 from ...maps.som.schedules import PERCEPTUAL_2
 from ..cli.errors import did_you_mean
@@ -158,49 +156,16 @@ def behavior_settings(profile: Profile, asked: Settings | None) -> dict[str, dic
     return merged
 
 
-class AnyMapper(Protocol):
-    """What a run needs of a mapper, whichever the profile names."""
-
-    @property
-    def reason(self) -> str:
-        """Why it ended; empty before."""
-
-    @property
-    def current(self) -> int:
-        """The node the robot is at, or met last; -1 if there is none."""
-
-    @property
-    def done(self) -> bool:
-        """Whether mapping has ended; `reason` says why."""
-
-    def begin(self) -> None:
-        """Starts the drive."""
-
-    def stop(self, reason: str) -> None:
-        """Ends mapping before its time."""
-
-    def drive_on(self) -> None:
-        """Goes on after `restore`."""
-
-    def state(self) -> dict[str, Any]:
-        """What a resumed mapping needs, as JSON."""
-
-    def restore(self, state: Mapping[str, Any]) -> None:
-        """Goes back to a `state`."""
-
-
 def make_mapper(
     profile: Profile,
     request: MapRequest,
     agent: Agent,
     hybrid_map: HybridMap,
-    build: Callable[[LocalSamples, float], LocalMap],
-    on_commit: Callable[[int, float], None],
-    on_rest: Callable[[Sequence[int], Sequence[ArcKey]], None] = lambda nodes, arcs: None,
+    sink: MapSink,
 ) -> AnyMapper:
     """The mapper that the profile names, set as the request asks.
 
-    on_rest: as for `IslandMapper`. Raises: SessionError for islands with a profile that cannot map them.
+    Raises: SessionError for islands with a profile that cannot map them.
     """
     limit = request.max_nodes if request.max_nodes is not None else profile.max_nodes
     local_maps = not request.global_only
@@ -210,15 +175,11 @@ def make_mapper(
         published = ThesisMappingConfig(
             request.side, local_maps, request.strategy, limit, closing=profile.closing, **profile.mapping
         )
-        return ThesisMapper(agent, hybrid_map, build, published, on_commit)
+        return ThesisMapper(agent, hybrid_map, sink, published)
     config = MappingConfig(request.side, local_maps, request.strategy, limit, **profile.mapping)
-
-    def mapper(commit: Callable[[int, float], None]) -> Mapper:
-        return Mapper(agent, hybrid_map, build, config, commit)
-
-    if not request.islands:
-        return mapper(on_commit)
-    return IslandMapper(agent, hybrid_map, mapper, on_commit, on_rest)
+    if request.islands:
+        return IslandMapper(agent, hybrid_map, sink, config)
+    return Mapper(agent, hybrid_map, sink, config)
 
 
 def make_navigator(

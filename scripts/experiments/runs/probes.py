@@ -204,10 +204,11 @@ class TrainingRun(MappingRun):
     examples: list[dict[str, Any]]
     """Of the first local maps."""
 
-    def _build(self, samples: LocalSamples, entry_heading: float) -> LocalMap:
+    def build(self, samples: LocalSamples, entry_heading: float) -> LocalMap:
+        """Trains all of them too."""
         if not hasattr(self, "trained"):
             self.trained, self.examples = [], []
         if len(self.examples) < EXAMPLES:
             self.examples.append(example(samples, self.request.seed, self.mapper.current))
         self.trained.append(training(samples, self.request.seed, self.mapper.current))
-        return super()._build(samples, entry_heading)
+        return super().build(samples, entry_heading)

@@ -1,15 +1,16 @@
 """Mapping as published: nodes by algorithm 1, arcs by straight lines, loops closed by one view."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 import pytest
 from tolman.agent import Agent
-from tolman.agent.events import BehaviorFinished, LoopClosed
+from tolman.agent.events import BehaviorFinished, CornerReached, LoopClosed
 from tolman.agent.goals import LocalSamples
-from tolman.agent.mapping.published import ThesisMapper, ThesisMappingConfig
+from tolman.agent.mapping.base import ArcKey
+from tolman.agent.mapping.published import ThesisMapper, ThesisMappingConfig, ThesisPhase
 from tolman.behaviors.local_exploration import LocalExploration
 from tolman.behaviors.look_around import LookAroundBehavior
 from tolman.behaviors.reactive_wall_following import ReactiveWallFollowing
@@ -21,6 +22,19 @@ from tolman.world import open_world
 
 def no_local_map(samples: LocalSamples, heading: float) -> LocalMap:
     raise AssertionError("no local map is to be built here")
+
+
+class Sink:
+    """Builds local maps as it is told to, and keeps nothing."""
+
+    def __init__(self, build: Callable[[LocalSamples, float], LocalMap]) -> None:
+        self.build = build
+
+    def commit(self, node: int, corner: CornerReached) -> None:
+        pass
+
+    def rest(self, nodes: Sequence[int], arcs: Sequence[ArcKey]) -> None:
+        raise AssertionError("it takes nothing back")
 
 
 def explorer(
@@ -35,8 +49,8 @@ def explorer(
         LocalExploration(landmarks=False, compass=False),
     ]
     agent = Agent(world.robots[0], behaviors)
-    mapper = ThesisMapper(agent, HybridMap(MapMeta(side=config.side)), build, config)
-    mapper.begin()
+    mapper = ThesisMapper(agent, HybridMap(MapMeta(side=config.side)), Sink(build), config)
+    mapper.start()
     return mapper, world
 
 
@@ -120,8 +134,6 @@ def test_a_view_unlike_node_0s_makes_a_new_node_and_tells_how_unlike() -> None:
 
 def _look(mapper: ThesisMapper, view: Any) -> None:
     """Lets node 0 have its local map and a view come in, as if driven to the next node."""
-    from tolman.agent.mapping.published import ThesisPhase
-
     mapper.map.graph.nodes[0]["local_map"] = local_map(0.5)
     mapper.phase = ThesisPhase.LOOK
     time = mapper.agent.context.time

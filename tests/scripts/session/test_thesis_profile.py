@@ -61,8 +61,17 @@ def test_there_is_no_profile_without_what_it_does_not_have() -> None:
         find_profile("default without luck")
 
 
-def _no_local_map(samples: Any, heading: float) -> Any:
-    raise AssertionError("no local map is to be built here")
+class Nowhere:
+    """A sink of which nothing is asked."""
+
+    def build(self, samples: Any, entry_heading: float) -> Any:
+        raise AssertionError("no local map is to be built here")
+
+    def commit(self, node: int, corner: Any) -> None:
+        raise AssertionError("no node is to be made here")
+
+    def rest(self, nodes: Any, arcs: Any) -> None:
+        raise AssertionError("nothing is to be taken back here")
 
 
 @pytest.mark.parametrize(
@@ -77,7 +86,7 @@ def test_a_profile_names_its_mapper_and_navigator(name: str, mapper: type, navig
     hybrid = HybridMap()
     hybrid.add_node()
     request = MapRequest(world="env1", output=Path("unused"), profile=name)
-    built = make_mapper(profile, request, agent, hybrid, _no_local_map, lambda node, met_at: None)
+    built = make_mapper(profile, request, agent, hybrid, Nowhere())
     assert isinstance(built, mapper)
     assert isinstance(make_navigator(profile, agent, hybrid, 0, None), navigator)
 
