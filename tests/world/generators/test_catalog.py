@@ -78,7 +78,7 @@ def _touch(shapes: Sequence[Shape], plans: Sequence[Plan], one: int, other: int)
 
 
 def test_an_unknown_kind_is_refused_with_those_there_are() -> None:
-    with pytest.raises(WorldError, match="unknown kind of worlds 'castle'; known: .*scan"):
+    with pytest.raises(WorldError, match=r"unknown kind of worlds 'castle'; known: .*scan"):
         make_world("castle", 0)
     with pytest.raises(WorldError, match="not -1"):
         make_world("maze", -1)
