@@ -235,7 +235,9 @@ class Entry:
 
 
 def parse_yaml(text: str, source: str, fault: type[Exception] = FileError, depth: int = MAX_DEPTH) -> Entry:
-    """The one document in `text`; `source` is the file's name for messages. depth: most levels of nesting.
+    """The one document in `text`, or nothing if it is empty.
+
+    source: the file's name for messages. depth: most levels of nesting.
 
     Raises: `fault`, one line, for anything that is not one document of the YAML that is read here.
     """
@@ -289,9 +291,7 @@ class _Builder:
                 raise entry.error(f"aliases (*{event.anchor[:40]}) are not allowed; write the value out")
             elif kind is yaml.DocumentStartEvent and self._top is not None:
                 raise self._document.error(event.start_mark.line + 1, "a second document; one is read")
-        if self._top is None or self._top._value == "":
-            raise self._document.fault(f"{printable(self._document.source)}: the file is empty")
-        return self._top
+        return self._top or Entry(self._document, None, "", 1, 1, "", True)
 
     def _scalar(self, event: Any) -> None:
         parent = self._open[-1] if self._open else None

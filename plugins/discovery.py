@@ -17,7 +17,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from types import ModuleType
+from types import MappingProxyType, ModuleType
 from typing import Any
 
 from ..agent.arbitration.mediator import Mediator
@@ -248,15 +248,19 @@ def isolating(
     return settings
 
 
-def load_mediator(name: str = "priority", folders: Iterable[Path | str] = ()) -> Mediator:
-    """A new mediator of that name, with its default settings.
+def load_mediator(
+    name: str = "priority",
+    folders: Iterable[Path | str] = (),
+    options: Mapping[str, Any] = MappingProxyType({}),
+) -> Mediator:
+    """A new mediator of that name; options: what its constructor takes, by name.
 
     Raises: UnknownPluginError, BrokenPluginError if it cannot be loaded or made.
     """
     plugin = discover(folders).find(name, MEDIATORS)
     cls = plugin.load()
     try:
-        mediator: Mediator = cls()
+        mediator: Mediator = cls(**options)
     except _FAULTS as fault:
         raise BrokenPluginError(
             f"mediator {name!r} of {plugin.origin}: making one raised {describe(fault)}"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,34 +13,11 @@ from ...plugins.discovery import build_behaviors, load_mediator
 from ...world import World, WorldSpec, open_world
 from ...world.robot import Pose
 from .profiles import Profile, behavior_settings, find_profile
-from .requests import SessionError, Simulation
+from .requests import Simulation
+from .settings import mediator_of
 
-CONFIG_LIMIT = 1 << 20
 HANG = 2.0
 """Wall-clock seconds after which a behavior is interrupted where plugins from folders are loaded."""
-_SECTIONS = ("behaviors", "mapping", "mediator", "noise")
-
-
-def load_settings(path: Path | None) -> dict[str, Any]:
-    """The settings of a YAML file: sections behaviors, mapping, mediator, noise. Raises: SessionError."""
-    if path is None:
-        return {}
-    import yaml
-
-    try:
-        if path.stat().st_size > CONFIG_LIMIT:
-            raise SessionError(f"{path}: larger than {CONFIG_LIMIT} bytes, too large for settings")
-        values = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise SessionError(f"{path}: not YAML: {' '.join(str(error).split())}") from None
-    if values is None:
-        return {}
-    if not isinstance(values, dict):
-        raise SessionError(f"{path}: expected sections such as `behaviors:`, found a {type(values).__name__}")
-    for name in values:
-        if name not in _SECTIONS:
-            raise SessionError(f"{path}: unknown section {name!r}; known: {', '.join(_SECTIONS)}")
-    return values
 
 
 def make_world(
@@ -80,7 +56,8 @@ def make_agent(
     profile = profile or find_profile(simulation.profile)
     configs = behavior_settings(profile, settings.get("behaviors"))
     behaviors = build_behaviors(None, simulation.plugins, configs, isolate=simulation.isolate)
-    mediator = load_mediator(settings.get("mediator", "priority"), simulation.plugins)
+    name, options = mediator_of(settings)
+    mediator = load_mediator(name, simulation.plugins, options)
     limits = Limits(hang=HANG) if simulation.plugins else Limits(budget=None)
     seed = np.random.SeedSequence([simulation.seed, robot])
     agent = Agent(world.robots[robot], behaviors.values(), mediator=mediator, seed=seed, limits=limits)

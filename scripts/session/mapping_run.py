@@ -23,10 +23,11 @@ from ...maps.storage.map_file import RUN, MapFile
 from ...world import World
 from ...world.robot import Pose
 from ..cli.output import plain
-from .assembly import load_settings, make_agent, make_world
+from .assembly import make_agent, make_world
 from .profiles import Profile, find_profile, make_mapper
 from .record_run import recorded
 from .requests import MapReport, MapRequest, Progress, SessionError
+from .settings import load_settings
 from .truth import node_truth, run_truth
 
 CORRECT_WITHIN = 0.15

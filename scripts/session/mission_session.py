@@ -22,11 +22,12 @@ from ...maps.storage.map_file import read_truth
 from ...plugins.discovery import isolating
 from ...world import World
 from ...world.robot import Pose
-from .assembly import load_settings, make_world
+from .assembly import make_world
 from .mission_requests import MissionReport, MissionRequest
 from .mission_site import RobotSite
 from .record_run import recorded
 from .requests import MapRequest, Progress
+from .settings import load_settings
 
 JOURNAL = "journal"
 """What attachments of a recording are called that are a resumed mission's journal, before their ending."""

@@ -13,7 +13,7 @@ from typing import Any
 from ...agent import Agent
 from ...agent.recording.recorder import Recorder
 from ...world import World
-from .assembly import load_settings
+from .settings import load_settings
 
 
 @contextlib.contextmanager

@@ -24,6 +24,7 @@ from .mission_requests import MissionRequest
 from .mission_session import JOURNAL, MissionSession
 from .profiles import find_profile, make_navigator
 from .requests import GoRequest, MapRequest, Progress
+from .settings import Settings, recorded_settings
 from .trip_run import Trip, start_of
 
 
@@ -84,11 +85,15 @@ def _replay_mapping(recording: Recording, world: ReplayWorld, folder: Path) -> N
     request = MapRequest(**values)
     stage = cast(World, world)
     with open_map_file(request, stage) as file:
-        settings = dict(recording.header["settings"])
+        settings = _settings(recording)
         run = MappingRun(request, stage, file, settings, find_profile(request.profile), _silent)
         world.robot.watch(run.agent)
         run.drive()
         world.step()  # the last tick's events
+
+
+def _settings(recording: Recording) -> Settings:
+    return recorded_settings(recording.header.get("settings", {}), "recording")
 
 
 def _replay_mission(recording: Recording, world: ReplayWorld, folder: Path) -> None:
@@ -105,7 +110,7 @@ def _replay_mission(recording: Recording, world: ReplayWorld, folder: Path) -> N
     values["journal"] = _resumed_journal(recording, folder)
     request = MissionRequest(**values)
     stage = cast(World, world)
-    session = MissionSession(request, stage, dict(recording.header["settings"]), folder / "saved")
+    session = MissionSession(request, stage, _settings(recording), folder / "saved")
     mission = Mission.load(script)
     journal = Journal(request.journal, mission=mission.name, resume=True)
     if len(journal):
@@ -136,7 +141,7 @@ def _replay_trip(recording: Recording, world: ReplayWorld, folder: Path) -> None
     hybrid_map, truth = HybridMap.load(path), read_truth(path)
     _, node, arrival = start_of(request, hybrid_map, truth)
     stage = cast(World, world)
-    agent = make_agent(request, stage, dict(recording.header["settings"]))
+    agent = make_agent(request, stage, _settings(recording))
     world.robot.watch(agent)
     trip = Trip(request, stage, agent, _silent)
     node = trip.localize(hybrid_map) if node is None else node

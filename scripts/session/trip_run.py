@@ -21,10 +21,11 @@ from ...maps.storage.map_file import MapFile, Truth, read_truth
 from ...world import World
 from ...world.arenas.catalog import built_in_worlds, find_world
 from ...world.robot import Pose, wrap_angle
-from .assembly import load_settings, make_agent, make_world
+from .assembly import make_agent, make_world
 from .profiles import find_profile, make_navigator
 from .record_run import recorded
 from .requests import GoReport, GoRequest, Progress, SessionError, Simulation
+from .settings import load_settings
 
 LOST_BEYOND = 0.15
 """Meters from the node it says it is at beyond which a robot is lost."""

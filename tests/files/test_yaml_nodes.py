@@ -40,8 +40,6 @@ def _parser(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> 
         ("a: [1,\n", "f.yaml:2: not valid YAML"),
         ('a: "\0"', "f.yaml: not valid YAML"),
         ("a: \ud800", "f.yaml: not valid YAML"),
-        ("", "f.yaml: the file is empty"),
-        ("# nothing\n", "f.yaml: the file is empty"),
     ],
 )
 def test_what_is_no_careful_yaml_is_refused_with_its_place(text: str, said: str) -> None:
@@ -80,6 +78,13 @@ def test_size_depth_and_count_are_limited(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(yaml_nodes, "MAX_BYTES", 8)
     with pytest.raises(ShelfError, match="more than the limit of 8"):
         parse("[1, 2, 3]")
+
+
+@pytest.mark.parametrize("text", ["", "# a remark", "---", "~"])
+def test_an_empty_file_is_nothing(text: str) -> None:
+    assert parse(text).is_nothing
+    with pytest.raises(ShelfError, match=r"f.yaml:[12]: expected a mapping of keys, found nothing"):
+        parse(text).mapping()
 
 
 def test_an_unknown_key_is_named_with_what_was_meant() -> None:

@@ -8,8 +8,14 @@ import pytest
 from tolman.agent.errors import ConfigError
 from tolman.plugins.errors import PluginError
 from tolman.scripts.session import map_world
-from tolman.scripts.session.assembly import CONFIG_LIMIT, load_settings
 from tolman.scripts.session.requests import MapRequest, SessionError
+from tolman.scripts.session.settings import (
+    LIMIT,
+    load_settings,
+    mediator_of,
+    parse_settings,
+    recorded_settings,
+)
 
 
 def written(tmp_path: Path, text: str) -> Path:
@@ -37,22 +43,46 @@ def test_no_file_and_an_empty_file_are_no_settings(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("behaviours: {}", "unknown section 'behaviours'; known: behaviors, mapping, mediator, noise"),
-        ("- 1\n- 2", "expected sections such as `behaviors:`, found a list"),
-        ("behaviors: [", "not YAML"),
-        ("!!python/object/apply:os.system ['true']", "not YAML"),
+        ("behaviours: {}", "s.yaml:1: behaviours: unknown key; did you mean 'behaviors'?"),
+        ("- 1\n- 2", "s.yaml:1: expected a mapping of keys, found a list"),
+        ("behaviors: [", "s.yaml:2: not valid YAML"),
+        ("!!python/object/apply:os.system ['true']", "s.yaml:1: tags"),
+        ("behaviors: [1]", "s.yaml:1: behaviors: expected a mapping of keys, found a list"),
+        ("behaviors:\n  wall-following: 3", "s.yaml:2: behaviors.wall-following: expected a mapping"),
+        ("behaviors: {x: {speed: .nan}}", "s.yaml:1: behaviors.x.speed: expected a finite number"),
+        ("behaviors: {}\nbehaviors: {}", "s.yaml:2: behaviors: this key appears twice"),
+        ("mapping: 3", "s.yaml:1: mapping: expected a mapping"),
+        ("mediator: [blend]", "s.yaml:1: mediator: give a mediator's name"),
+        ("mediator: {reflex: 40}", "s.yaml:1: mediator: the key 'name' is missing"),
+        ("noise: 3", "s.yaml:1: noise: expected a mapping"),
+        ("noise: {encodr: 1}", "s.yaml:1: noise.encodr: unknown key; did you mean 'encoder"),
+        ("noise: {preset: none, slip: much}", "s.yaml:1: noise.slip"),
     ],
 )
-def test_a_bad_file_is_refused_in_one_line(tmp_path: Path, text: str, message: str) -> None:
+def test_a_bad_file_is_refused_in_one_line(text: str, message: str) -> None:
     with pytest.raises(SessionError) as raised:
-        load_settings(written(tmp_path, text))
-    assert message in str(raised.value)
-    assert "\n" not in str(raised.value)
+        parse_settings(text, "s.yaml")
+    assert str(raised.value).startswith(message)
+    assert str(raised.value).isprintable()
 
 
 def test_a_huge_file_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(SessionError, match="too large for settings"):
-        load_settings(written(tmp_path, "#" * (CONFIG_LIMIT + 1)))
+    with pytest.raises(SessionError, match="larger than the limit"):
+        load_settings(written(tmp_path, "#" * (LIMIT + 1)))
+
+
+def test_a_mediator_has_a_name_and_may_have_options() -> None:
+    assert mediator_of({}) == ("priority", {})
+    assert mediator_of(parse_settings("mediator: blend", "s.yaml")) == ("blend", {})
+    asked = parse_settings("mediator: {name: blend, reflex: 40}", "s.yaml")
+    assert mediator_of(asked) == ("blend", {"reflex": 40})
+
+
+def test_what_a_recording_holds_is_checked_as_a_file_is() -> None:
+    settings = parse_settings("behaviors: {a: {b: 1.0e-05, c: 'é'}}\nnoise: {preset: none}", "s.yaml")
+    assert recorded_settings(settings, "r") == settings
+    with pytest.raises(SessionError, match="r: its settings:1: behaviors"):
+        recorded_settings({"behaviors": [1]}, "r")
 
 
 def test_a_behavior_s_setting_changes_the_drive(tmp_path: Path) -> None:

@@ -1,0 +1,89 @@
+"""The file of settings (--config): four sections of YAML, each checked when it is read.
+
+    behaviors: {wall-following: {speed: 200}}     # settings by behavior, other than the profile's
+    mapping: {wall_distance: 0.06}                # settings of the profile's mapper
+    mediator: blend                               # or {name: blend, reflex: 40}: its name and its options
+    noise: {preset: none, encoder: 0.01}          # values, on top of a preset
+
+What is read is plain data, as it also stands in the header of a recording, where it is read from again.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from ...files.reading import read_text
+from ...files.yaml_nodes import Entry, parse_yaml
+from ...world.noise.model import NAMES
+from .requests import SessionError
+
+LIMIT = 1 << 20
+"""Bytes of a file of settings."""
+DEFAULT_MEDIATOR = "priority"
+
+Settings = dict[str, Any]
+"""By section; one that is not there is as the profile has it."""
+
+
+def load_settings(path: Path | None) -> Settings:
+    """The settings of a YAML file; none for None. Raises: SessionError naming file, line and key."""
+    if path is None:
+        return {}
+    return parse_settings(read_text(path, LIMIT, SessionError), str(path))
+
+
+def parse_settings(text: str, source: str) -> Settings:
+    """The settings in the text of a file. Raises: SessionError naming `source`, line and key."""
+    top = parse_yaml(text, source, SessionError)
+    if top.is_nothing:
+        return {}
+    sections = top.mapping(_SECTIONS)
+    return {name: _SECTIONS[name](entry) for name, entry in sections.items() if not entry.is_nothing}
+
+
+def recorded_settings(values: object, source: str) -> Settings:
+    """The settings that a recording's header holds, checked as those of a file. Raises: SessionError."""
+    return parse_settings(json.dumps(values, ensure_ascii=False, default=str), f"{source}: its settings")
+
+
+def mediator_of(settings: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
+    """Name and options of the mediator that settings ask for."""
+    asked = settings.get("mediator", DEFAULT_MEDIATOR)
+    if isinstance(asked, str):
+        return asked, {}
+    options = dict(asked)
+    return options.pop("name"), options
+
+
+def _behaviors(entry: Entry) -> dict[str, dict[str, Any]]:
+    found = entry.mapping().items()
+    return {name: {} if values.is_nothing else _values(values) for name, values in found}
+
+
+def _values(entry: Entry) -> dict[str, Any]:
+    return {name: value.data() for name, value in entry.mapping().items()}
+
+
+def _mediator(entry: Entry) -> str | dict[str, Any]:
+    if entry.is_list:
+        raise entry.error("give a mediator's name, or `name:` with its options, not a list")
+    if entry.is_scalar:
+        return entry.text()
+    keys = entry.mapping(required=("name",))
+    return {"name": keys.pop("name").text(), **{name: value.data() for name, value in keys.items()}}
+
+
+def _noise(entry: Entry) -> dict[str, float | str]:
+    keys = entry.mapping(("preset", *NAMES))
+    return {name: each.text() if name == "preset" else each.number() for name, each in keys.items()}
+
+
+_SECTIONS: Mapping[str, Callable[[Entry], Any]] = {
+    "behaviors": _behaviors,
+    "mapping": _values,
+    "mediator": _mediator,
+    "noise": _noise,
+}
