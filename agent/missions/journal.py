@@ -8,10 +8,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ...files.messages import quoted
+from ...files.reading import read_text
 from ..errors import CodecError, MissionError
+from ..listener import Outcome
 from ..recording.codec import decode, encode
-from .tasks import Outcome
 
+MAX_BYTES = 100_000_000
+"""Largest journal that is read: of a million steps."""
 _VERSION = 1
 
 
@@ -58,12 +62,12 @@ class Journal:
         if recorded != step:
             raise MissionError(
                 f"the mission was changed since it was begun: step {path} was {recorded}, now {step}; "
-                "run it anew without --resume"
+                "run it from its beginning, without --resume"
             )
         return outcome
 
     def record(self, path: str, step: str, outcome: Outcome) -> None:
-        """Keeps an outcome; what below it was kept is not needed any more."""
+        """Keeps an outcome. Raises: MissionError if the disk does not take it."""
         self._done[path] = (step, outcome)
         if self._path is None:
             return
@@ -72,40 +76,42 @@ class Journal:
             "path": path,
             "step": step,
             "succeeded": outcome.succeeded,
-            "value": encode(outcome.value),
+            "value": encode(outcome.result),
             "reason": outcome.reason,
         }
-        with self._path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(entry) + "\n")
-            file.flush()
-            os.fsync(file.fileno())
+        try:
+            with self._path.open("a", encoding="utf-8") as file:
+                file.write(json.dumps(entry) + "\n")
+                file.flush()
+                os.fsync(file.fileno())
+        except OSError as fault:
+            raise MissionError(f"{self._path}: cannot be written: {fault.strerror}") from fault
 
     def _read(self, path: Path, mission: str) -> None:
-        lines = path.read_text(encoding="utf-8").split("\n")
+        lines = read_text(path, MAX_BYTES, MissionError).split("\n")
         # What stands after the last newline was never completed.
         whole = lines[:-1]
-        if lines[-1]:
-            path.write_text("".join(line + "\n" for line in whole), encoding="utf-8")
-        head = self._parsed(path, 1, whole[0] if whole else "")
+        head = _parsed(path, 1, whole[0] if whole else "")
         if head.get("tolman-mission") != _VERSION:
             raise MissionError(f"{path}: not a mission's journal of version {_VERSION}")
         if head.get("mission") != mission:
-            raise MissionError(f"{path}: the journal of {head.get('mission')!r}, not of {mission!r}")
+            raise MissionError(f"{path}: the journal of {quoted(head.get('mission'))}, not of {mission!r}")
         for number, line in enumerate(whole[1:], start=2):
-            entry = self._parsed(path, number, line)
+            entry = _parsed(path, number, line)
             try:
-                value = decode(entry["value"])
-                outcome = Outcome(bool(entry["succeeded"]), value, str(entry["reason"]))
+                outcome = Outcome(bool(entry["succeeded"]), decode(entry["value"]), str(entry["reason"]))
                 self._done[str(entry["path"])] = (str(entry["step"]), outcome)
             except (KeyError, CodecError) as fault:
                 raise MissionError(f"{path}, line {number}: damaged ({fault})") from fault
+        if lines[-1]:
+            path.write_text("".join(line + "\n" for line in whole), encoding="utf-8")
 
-    @staticmethod
-    def _parsed(path: Path, number: int, line: str) -> dict[str, Any]:
-        try:
-            entry = json.loads(line)
-        except ValueError as fault:
-            raise MissionError(f"{path}, line {number}: damaged ({fault})") from fault
-        if not isinstance(entry, dict):
-            raise MissionError(f"{path}, line {number}: damaged (not an object)")
-        return entry
+
+def _parsed(path: Path, number: int, line: str) -> dict[str, Any]:
+    try:
+        entry = json.loads(line)
+    except (ValueError, RecursionError) as fault:
+        raise MissionError(f"{path}, line {number}: damaged ({fault})") from fault
+    if not isinstance(entry, dict):
+        raise MissionError(f"{path}, line {number}: damaged (not an object)")
+    return entry

@@ -9,20 +9,25 @@ def mission():
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from ...world.robot import Percept
-from ..agent import Agent
-from ..behavior import Context
+from ..errors import MissionError
 from ..events import MissionEnded
+from ..listener import Listener
+from .files import script_in, steps_in
 from .journal import Journal
-from .runtime import Runtime, Script, Thread, in_order
-from .steps import Body
-from .tasks import Site
+from .runtime import Runtime, Thread
+from .step import Body, Script, Site, Step, in_order
+from .steps import STEPS
+
+if TYPE_CHECKING:
+    from ...world.robot import Percept
+    from ..agent import Agent
+    from ..behavior import Context
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,14 +43,18 @@ class Mission:
         return Mission(name, lambda: in_order(bodies))
 
     @staticmethod
-    def load(path: Path | str) -> Mission:
+    def load(path: Path | str, further: Iterable[type[Step]] = ()) -> Mission:
         """Reads a mission from a .py file (a generator function `mission`) or a .yaml file.
 
-        Raises: MissionError, which names file and fault.
+        further: steps that a YAML file may name besides `STEPS`. Raises: MissionError with file and fault.
         """
-        from .files import load_mission
-
-        return load_mission(Path(path))
+        path = Path(path)
+        if path.suffix == ".py":
+            return Mission(path.stem, script_in(path))
+        if path.suffix in (".yaml", ".yml"):
+            name, steps = steps_in(path, (*STEPS, *further))
+            return Mission.of(name, *(steps if isinstance(steps, tuple) else (steps,)))
+        raise MissionError(f"{path}: a mission ends in .py, .yaml or .yml")
 
 
 class Status(Enum):
@@ -57,22 +66,22 @@ class Status(Enum):
     CANCELLED = "cancelled"
 
 
-class MissionRunner:
-    """Runs one mission on an agent, as one of its processes. Ends with `MissionEnded`.
+class MissionRunner(Listener):
+    """Runs one mission on an agent: a tick listener. Ends with `MissionEnded`.
 
-    status, reason: how it stands. A fault in the mission's own code fails the mission, not the agent.
+    outcome: how it ended, with what the script returned. status: how it stands. said: what `Say` told so far.
+    A fault in the mission's own code fails the mission, not the agent.
     """
 
     def __init__(self, mission: Mission, agent: Agent, site: Site, journal: Journal | None = None) -> None:
         """journal: where done steps are kept; one that was read again lets the mission skip them."""
+        super().__init__(agent)
         self.mission = mission
         self.status = Status.RUNNING
-        self.reason = ""
-        self.value: Any = None
+        self.said: list[str] = []
         self._agent = agent
-        self._root = Thread(
-            mission.body, "", Runtime(agent, site, journal if journal is not None else Journal())
-        )
+        journal = journal if journal is not None else Journal()
+        self._root = Thread(mission.body, "", Runtime(agent, site, journal, self.said))
 
     @property
     def ended(self) -> bool:
@@ -85,22 +94,23 @@ class MissionRunner:
         return self._root.doing
 
     def update(self, percept: Percept, context: Context) -> None:
-        """Resumes whatever need not wait any more. Called once a tick by the agent."""
-        if self.ended:
-            return
-        outcome = self._root.update(context.time)
+        """Resumes whatever need not wait any more."""
+        outcome = self._root.poll(context.time)
         if outcome is not None:
-            self.value = outcome.value
-            self._end(Status.DONE if outcome.succeeded else Status.FAILED, outcome.reason)
+            self.status = Status.DONE if outcome.succeeded else Status.FAILED
+            self.finish(outcome.succeeded, outcome.result, outcome.reason)
 
-    def cancel(self, reason: str = "cancelled") -> None:
+    def stop(self, reason: str = "cancelled") -> None:
         """Ends the mission now: stops what its steps started, runs its `finally` blocks."""
         if not self.ended:
             self._root.cancel()
-            self._end(Status.CANCELLED, reason)
+            self.status = Status.CANCELLED
+            self.finish(False, reason=reason)
 
-    def _end(self, status: Status, reason: str) -> None:
-        self.status, self.reason = status, reason
-        time = self._agent.context.time
-        name = self.mission.name
-        self._agent.bus.publish(MissionEnded(time=time, mission=name, status=status.value, reason=reason))
+    def finish(self, succeeded: bool, result: Any = None, reason: str = "") -> None:
+        """Sets the outcome and tells it."""
+        super().finish(succeeded, result, reason)
+        ended = MissionEnded(
+            time=self._agent.context.time, mission=self.mission.name, status=self.status.value, reason=reason
+        )
+        self._agent.bus.publish(ended)

@@ -1,50 +1,66 @@
-"""How a mission's steps run: scripts that are resumed, groups of them at once, and what they yield kept."""
+"""How a mission's steps run: scripts that are resumed, and what they yield begun, kept and told."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+import contextlib
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
-from ..agent import Agent
+from ...files.messages import quoted
 from ..containment import describe as describe_fault
 from ..errors import AgentError, MissionError, StepFailedError
-from ..events import StepEnded, StepStarted
+from ..events import Said, StepEnded, StepStarted
+from ..listener import Outcome
 from .journal import Journal
-from .steps import As, ForEachNode, Nodes, OnFailure, Race, Repeat, Step, Together, Within, describe
-from .tasks import Outcome, Site, begin
+from .step import MAX_DEPTH, Script, Site, Step, Task, describe, in_words, script_of
+
+if TYPE_CHECKING:
+    from ..agent import Agent
 
 _AT_ONCE = 1000
 """Steps that one generator may take in a tick: an endless loop of steps without time must not hang."""
 
-Script: TypeAlias = Generator[Any, Any, Any]
-
 
 @dataclass(frozen=True, slots=True)
 class Runtime:
-    """What all parts of a running mission share."""
+    """What all parts of a running mission share: the `Run` of its steps."""
 
     agent: Agent
     site: Site
     journal: Journal
+    said: list[str]
 
-    def begin(self, body: Any, path: str) -> Kept:
+    def begin(self, body: Any, path: str) -> Task:
         """Starts whatever was yielded, or recalls it if it is done already."""
-        return Kept(body, path, self)
+        if path.count(".") > MAX_DEPTH:
+            raise MissionError(f"more than {MAX_DEPTH} steps within one another")
+        kept = Kept(body, path, self)
+        return Task(kept.poll, kept.cancel)
 
-    def make(self, body: Any, path: str) -> Any:
+    def follow(self, script: Callable[[], Script], path: str) -> Task:
+        """Starts a script, a step's own or a generator function that was yielded."""
+        thread = Thread(script, f"{path}.", self)
+        return Task(thread.poll, thread.cancel)
+
+    def on_robot(self, index: int) -> Runtime:
+        """The same with another robot."""
+        agent, site = self.site.robot(index)
+        return Runtime(agent, site, self.journal, self.said)
+
+    def say(self, text: str) -> None:
+        """Tells a text to whoever follows the mission."""
+        self.said.append(text)
+        self.agent.bus.publish(Said(time=self.agent.context.time, text=text))
+
+    def make(self, body: Any, path: str) -> Task:
         """The task of a body that is not done yet."""
-        if isinstance(body, Race | Together):
-            return _Group(body, path, self)
-        if isinstance(body, As):
-            agent, site = self.site.robot(body.robot)
-            return Runtime(agent, site, self.journal).begin(body.body, f"{path}.1")
-        if isinstance(body, Within):
-            return _Limited(body, path, self)
-        script = _script(body)
-        if script is not None:
-            return Thread(script, f"{path}.", self)
-        return begin(body, self.agent, self.site)
+        if isinstance(body, Step):
+            return body.begin(self, path)
+        script = script_of(body)
+        if script is None:
+            raise MissionError(f"a mission yields steps such as GoTo(5), not {quoted(body)}")
+        return self.follow(script, path)
 
 
 class Kept:
@@ -53,7 +69,7 @@ class Kept:
     def __init__(self, body: Any, path: str, runtime: Runtime) -> None:
         """Starts it, unless the journal knows that it is done."""
         self._path, self._text, self._runtime = path, describe(body), runtime
-        self._task: Any = None
+        self._task = Task(lambda time: None)
         self._early = runtime.journal.recall(path, self._text)
         if self._early is not None:
             return
@@ -64,15 +80,15 @@ class Kept:
         except MissionError:
             raise
         except (AgentError, LookupError, ValueError, OSError) as fault:
-            self._close(Outcome(False, reason=describe_fault(fault)))
+            self._close(Outcome(False, reason=reason_of(fault)))
 
-    def update(self, time: float) -> Outcome | None:
+    def poll(self, time: float) -> Outcome | None:
         """The outcome, once there is one."""
         if self._early is not None:
             return self._early
-        outcome: Outcome | None
+        outcome = None
         try:
-            outcome = self._task.update(time)
+            outcome = self._task.poll(time)
         except Exception as fault:
             outcome = Outcome(False, reason=describe_fault(fault))
         if outcome is not None:
@@ -107,14 +123,14 @@ class Thread:
         self._runtime, self._prefix = runtime, prefix
         self._generator = script()
         self._count = 0
-        self._current: Kept | None = None
+        self._current: Task | None = None
         self._yielded: Any = None
 
-    def update(self, time: float) -> Outcome | None:
+    def poll(self, time: float) -> Outcome | None:
         """Resumes the script as often as it need not wait. Its faults become its outcome."""
         try:
             for _ in range(_AT_ONCE):
-                outcome = Outcome(True) if self._current is None else self._current.update(time)
+                outcome = Outcome(True) if self._current is None else self._current.poll(time)
                 if outcome is None:
                     return None
                 self._yielded = self._resume(outcome)
@@ -124,138 +140,40 @@ class Thread:
             return None
         except StopIteration as stop:
             return Outcome(True, stop.value)
-        except StepFailedError as failed:
+        except (StepFailedError, MissionError) as failed:
+            self._close()
             return Outcome(False, reason=str(failed))
         except Exception as fault:
-            self._generator.close()
+            self._close()
             return Outcome(False, reason=describe_fault(fault))
 
     @property
     def doing(self) -> str:
         """The step under way, in words."""
-        return "" if self._yielded is None else describe(self._yielded)
+        return "" if self._yielded is None else in_words(self._yielded)
 
     def _resume(self, outcome: Outcome) -> Any:
         if self._current is None:
             return next(self._generator)
         if outcome.succeeded:
-            return self._generator.send(outcome.value)
-        return self._generator.throw(StepFailedError(describe(self._yielded), outcome.reason))
+            return self._generator.send(outcome.result)
+        return self._generator.throw(StepFailedError(self.doing, outcome.reason))
 
     def cancel(self) -> None:
         """Cancels what is under way and closes the script, whose `finally` blocks run."""
         if self._current is not None:
             self._current.cancel()
-        try:
+        self._close()
+
+    def _close(self) -> None:
+        # A `finally` that yields or raises: there is nobody left to hear of it.
+        with contextlib.suppress(Exception):
             self._generator.close()
-        except Exception:
-            # A `finally` that yields or raises: there is nobody left to hear of it.
-            self._current = None
 
 
-class _Group:
-    """Several bodies at once: a race, or all together."""
-
-    def __init__(self, step: Race | Together, path: str, runtime: Runtime) -> None:
-        if not step.bodies:
-            raise MissionError(f"{type(step).__name__}() without steps")
-        self._race = isinstance(step, Race)
-        self._running = {
-            index: runtime.begin(body, f"{path}.{index + 1}") for index, body in enumerate(step.bodies)
-        }
-        self._values: dict[int, Any] = {}
-        self._failures: list[str] = []
-
-    def update(self, time: float) -> Outcome | None:
-        for index, task in list(self._running.items()):
-            outcome = task.update(time)
-            if outcome is None:
-                continue
-            del self._running[index]
-            if outcome.succeeded:
-                self._values[index] = outcome.value
-            else:
-                self._failures.append(outcome.reason)
-            if outcome.succeeded is self._race:
-                self.cancel()
-                if self._race:
-                    return Outcome(True, (index, outcome.value))
-                return outcome
-        if self._running:
-            return None
-        if self._race:
-            return Outcome(False, reason="; ".join(self._failures))
-        return Outcome(True, [self._values[index] for index in sorted(self._values)])
-
-    def cancel(self) -> None:
-        running, self._running = self._running, {}
-        for task in running.values():
-            task.cancel()
-
-
-class _Limited:
-    """A body with a limit of time."""
-
-    def __init__(self, step: Within, path: str, runtime: Runtime) -> None:
-        self._seconds = step.seconds
-        self._end = runtime.agent.context.time + step.seconds
-        self._task = runtime.begin(step.body, f"{path}.1")
-
-    def update(self, time: float) -> Outcome | None:
-        outcome = self._task.update(time)
-        if outcome is None and time >= self._end:
-            self._task.cancel()
-            return Outcome(False, reason=f"not done within {self._seconds:g} s")
-        return outcome
-
-    def cancel(self) -> None:
-        self._task.cancel()
-
-
-def _script(body: Any) -> Callable[[], Script] | None:
-    """The generator function of a body that consists of others, None for a single step."""
-    if isinstance(body, Repeat):
-        return lambda: _repeat(body)
-    if isinstance(body, OnFailure):
-        return lambda: _on_failure(body)
-    if isinstance(body, ForEachNode):
-        return lambda: _for_each_node(body)
-    if isinstance(body, tuple):
-        return lambda: in_order(body)
-    if callable(body) and not isinstance(body, Step | type):
-        generator: Callable[[], Script] = body
-        return generator
-    return None
-
-
-def in_order(bodies: tuple[Any, ...]) -> Script:
-    """One after the other; the last one's result."""
-    value = None
-    for body in bodies:
-        value = yield body
-    return value
-
-
-def _repeat(step: Repeat) -> Script:
-    value, done = None, 0
-    while step.times is None or done < step.times:
-        value = yield step.body
-        done += 1
-    return value
-
-
-def _on_failure(step: OnFailure) -> Script:
-    last: StepFailedError | None = None
-    for _ in range(step.retries + 1):
-        try:
-            return (yield step.body)
-        except StepFailedError as failed:
-            last = failed
-    if step.otherwise is None and last is not None:
-        raise last
-    return (yield step.otherwise)
-
-
-def _for_each_node(step: ForEachNode) -> Script:
-    for node in (yield Nodes()):
-        yield step.body(node)
+def reason_of(fault: Exception) -> str:
+    """Why a step could not begin, in one line: what the error says, which is written for people."""
+    text = fault.args[0] if isinstance(fault, KeyError) and fault.args else fault
+    if isinstance(fault, OSError) and fault.strerror:
+        text = f"{fault.filename}: {fault.strerror}" if fault.filename else fault.strerror
+    return " ".join(str(text).split()) or type(fault).__name__

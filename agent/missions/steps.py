@@ -1,4 +1,4 @@
-"""The steps of a mission: plain data that a mission yields, readable as a sentence.
+"""The steps of a mission: what a mission yields, readable as a sentence.
 
 A mission is a generator function. It yields a step, is resumed with the step's result when it is done, and
 gets `StepFailedError` raised at the `yield` when it failed. Where a step takes others, each may be a step, a
@@ -7,20 +7,46 @@ tuple of steps (one after the other), or a generator function.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Mapping
-from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Annotated, Any
 
-from ..events import Event
+import numpy as np
 
+from .. import events
+from ..errors import MissionError
+from ..events import BehaviorFaulted, BehaviorFinished, Event
+from ..listener import Outcome
+from ..recording.codec import known_classes
+from .composed import As as As
+from .composed import ForEachNode as ForEachNode
+from .composed import Nodes as Nodes
+from .composed import OnFailure as OnFailure
+from .composed import Race as Race
+from .composed import Repeat as Repeat
+from .composed import Together as Together
+from .composed import Within as Within
+from .step import (
+    UNKNOWN,
+    File,
+    Flag,
+    Form,
+    Name,
+    Node,
+    Plan,
+    Positive,
+    Run,
+    Seconds,
+    Task,
+    Text,
+    describe,
+    done,
+    one_of,
+)
+from .step import Step as Step
 
-@dataclass(frozen=True, slots=True)
-class Step:
-    """Base of all steps."""
-
-
-Body: TypeAlias = Step | tuple[Any, ...] | Callable[[], Generator[Any, Any, Any]]
-"""What can stand where a step is wanted."""
+if TYPE_CHECKING:
+    from ...files.yaml_nodes import Entry
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,57 +57,172 @@ class Explore(Step):
     obstacles that stand free, once the loop is closed.
     """
 
-    side: str = "right"
-    strategy: str = "alternate"
-    max_nodes: int | None = None
-    wait: bool = True
-    islands: bool = False
+    side: Annotated[str, one_of("right", "left")] = "right"
+    strategy: Annotated[str, one_of("rows", "columns", "alternate")] = "alternate"
+    max_nodes: Positive | None = None
+    wait: Flag = True
+    islands: Flag = False
+    says, word, single = "explore along the {side} wall", "explore", "side"
+
+    def begin(self, run: Run, path: str) -> Task:
+        """Begins mapping."""
+        job = run.site.explore(self)
+        return Task(lambda time: job.outcome, job.cancel) if self.wait else done()
+
+    def rehearse(self, plan: Plan, depth: int) -> Any:
+        """From here on nobody knows what nodes the map has."""
+        plan.nodes = None
+        return UNKNOWN
 
 
 @dataclass(frozen=True, slots=True)
 class GoTo(Step):
     """Drive to a node of the map. Result: the node."""
 
-    node: int | str
+    node: Node
+    says, word, single = "go to node {node}", "go_to", "node"
+
+    def begin(self, run: Run, path: str) -> Task:
+        """Sets out."""
+        job = run.site.go_to(self.node)
+        return Task(lambda time: job.outcome, job.cancel)
+
+    def rehearse(self, plan: Plan, depth: int) -> Any:
+        """Whether the map has that node."""
+        if plan.nodes is None or not isinstance(self.node, int):
+            return UNKNOWN
+        if self.node not in plan.nodes:
+            plan.problems.append(f"{describe(self)}: the map has no node {self.node}")
+        return self.node
 
 
 @dataclass(frozen=True, slots=True)
 class Save(Step):
     """Save the map to a file. Result: the path."""
 
-    path: str
+    path: File
+    says, word, single = "save {path}", "save", "path"
+
+    def begin(self, run: Run, path: str) -> Task:
+        """Is done at once."""
+        run.site.save(self.path)
+        return done(self.path)
 
 
 @dataclass(frozen=True, slots=True)
 class Load(Step):
     """Take over the map in a file; the robot is taken to stand where it was when that was saved."""
 
-    path: str
+    path: File
+    says, word, single = "load {path}", "load", "path"
+
+    def begin(self, run: Run, path: str) -> Task:
+        """Is done at once."""
+        run.site.load(self.path)
+        return done(self.path)
+
+    def rehearse(self, plan: Plan, depth: int) -> Any:
+        """From here on nobody knows what nodes the map has."""
+        plan.nodes = None
+        return UNKNOWN
 
 
 @dataclass(frozen=True, slots=True)
 class Place(Step):
     """Have somebody put the robot at a node, in its transition pose, as a simulation can. Result: it."""
 
-    node: int | str
+    node: Node
+    says, word, single = "put the robot at node {node}", "place", "node"
 
-
-@dataclass(frozen=True, slots=True)
-class Nodes(Step):
-    """Result: the numbers of the map's nodes, sorted."""
+    def begin(self, run: Run, path: str) -> Task:
+        """Is done at once."""
+        return done(run.site.place(self.node))
 
 
 @dataclass(frozen=True, slots=True)
 class Look(Step):
     """Take a camera image, standing still. Result: (height, width) luminance in [0, 1]."""
 
+    says, word = "take an image", "look"
+
+    def begin(self, run: Run, path: str) -> Task:
+        """Is done at once."""
+        return done(run.agent.context.look())
+
+    def rehearse(self, plan: Plan, depth: int) -> Any:
+        """A black image."""
+        return np.zeros((16, 16), dtype=np.float32)
+
+
+def _goal(entry: Entry) -> Any:
+    """A goal such as `Foray: {turn: 1}`."""
+    value, known = entry.data(), known_classes()
+    if not isinstance(value, dict):
+        return value
+    if len(value) != 1 or (cls := known.get(next(iter(value)))) is None:
+        raise entry.error("give a kind of goal and its settings, as Foray: {turn: 1}")
+    try:
+        return cls(**(next(iter(value.values())) or {}))
+    except (TypeError, ValueError) as fault:
+        raise entry.error(str(fault)) from None
+
 
 @dataclass(frozen=True, slots=True)
 class Do(Step):
     """Start a behavior with a goal and wait until it has finished. Result: the behavior's."""
 
-    behavior: str
-    goal: Any = None
+    behavior: Name
+    goal: Annotated[Any, Form("a goal", lambda value: True, _goal)] = None
+    says, word, single = "do {behavior}", "do", "behavior"
+
+    def begin(self, run: Run, path: str) -> Task:
+        """Starts the behavior."""
+        agent, heard = run.agent, list[Outcome]()
+        agent.start(self.behavior, self.goal)
+
+        def finished(event: BehaviorFinished) -> None:
+            if event.behavior == self.behavior:
+                heard.append(Outcome(event.succeeded, event.result, event.reason))
+
+        def faulted(event: BehaviorFaulted) -> None:
+            if event.behavior == self.behavior:
+                heard.append(Outcome(False, reason=event.fault))
+
+        both = agent.bus.subscribe(BehaviorFinished, finished), agent.bus.subscribe(BehaviorFaulted, faulted)
+
+        def release() -> None:
+            for subscription in both:
+                subscription.cancel()
+
+        def poll(time: float) -> Outcome | None:
+            if heard:
+                release()
+            return heard[0] if heard else None
+
+        def cancel() -> None:
+            release()
+            agent.stop(self.behavior)
+
+        return Task(poll, cancel)
+
+    def rehearse(self, plan: Plan, depth: int) -> Any:
+        """Whether there is such a behavior."""
+        if plan.behaviors is not None and self.behavior not in plan.behaviors:
+            plan.problems.append(f"{describe(self)}: there is no such behavior")
+        return UNKNOWN
+
+
+_EVENTS = {
+    name: value
+    for name, value in vars(events).items()
+    if isinstance(value, type) and issubclass(value, Event)
+}
+_EVENT = Form(
+    "a class of events",
+    lambda value: isinstance(value, type) and issubclass(value, Event),
+    lambda entry: _EVENTS[entry.one_of(_EVENTS)],
+)
+_WHERE = Form("fields and their values", lambda value: isinstance(value, Mapping))
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,118 +232,84 @@ class Until(Step):
     where: fields that must have these values.
     """
 
-    event: type[Event]
-    timeout: float | None = None
-    where: Mapping[str, Any] = field(default_factory=dict)
+    event: Annotated[type[Event], _EVENT]
+    timeout: Seconds | None = None
+    where: Annotated[Mapping[str, Any], _WHERE] = field(default_factory=dict)
+    says, word, single = "wait for {event.__name__}", "until", "event"
+
+    def check(self) -> None:
+        """Whether the event has the fields of `where`."""
+        known = [each.name for each in fields(self.event)]
+        for name in self.where:
+            if name not in known:
+                raise MissionError(f"{self.event.__name__} has no field {name!r}; known: {', '.join(known)}")
+
+    def begin(self, run: Run, path: str) -> Task:
+        """Begins to listen."""
+        end = None if self.timeout is None else run.agent.context.time + self.timeout
+        heard: list[Event] = []
+
+        def hear(event: Event) -> None:
+            if all(getattr(event, name) == value for name, value in self.where.items()):
+                heard.append(event)
+
+        subscription = run.agent.bus.subscribe(self.event, hear)
+
+        def poll(time: float) -> Outcome | None:
+            late = end is not None and time >= end
+            if heard or late:
+                subscription.cancel()
+            if heard:
+                return Outcome(True, heard[0])
+            return (
+                Outcome(False, reason=f"no {self.event.__name__} within {self.timeout:g} s") if late else None
+            )
+
+        return Task(poll, subscription.cancel)
 
 
 @dataclass(frozen=True, slots=True)
 class Wait(Step):
     """Let simulated seconds pass; whatever is active goes on."""
 
-    seconds: float
+    seconds: Seconds
+    says, word, single = "wait {seconds:g} s", "wait", "seconds"
+
+    def begin(self, run: Run, path: str) -> Task:
+        """Begins its time."""
+        # Ticks are counted in floats: half a tick's tolerance keeps the count.
+        end = run.agent.context.time + self.seconds - 1e-6
+        return Task(lambda time: Outcome(True) if time >= end else None)
 
 
 @dataclass(frozen=True, slots=True)
 class Say(Step):
     """Tell whoever follows the mission."""
 
-    text: str
+    text: Text
+    says, word, single = "say {text!r}", "say", "text"
+
+    def begin(self, run: Run, path: str) -> Task:
+        """Is done at once."""
+        run.say(self.text)
+        return done()
 
 
 @dataclass(frozen=True, slots=True)
 class Fail(Step):
     """Fail, with a reason."""
 
-    reason: str
+    reason: Text
+    says, word, single = "fail", "fail", "reason"
+
+    def begin(self, run: Run, path: str) -> Task:
+        """Is done at once."""
+        return Task(lambda time: Outcome(False, reason=self.reason))
 
 
-@dataclass(frozen=True, slots=True, init=False)
-class Race(Step):
-    """All at once; the first that succeeds ends it and cancels the others. Result: (index, its result).
-
-    Fails when all have failed.
-    """
-
-    bodies: tuple[Body, ...]
-
-    def __init__(self, *bodies: Body) -> None:
-        """The contenders."""
-        object.__setattr__(self, "bodies", bodies)
-
-
-@dataclass(frozen=True, slots=True, init=False)
-class Together(Step):
-    """All at once, until all have succeeded. Result: their results. The first failure cancels the rest."""
-
-    bodies: tuple[Body, ...]
-
-    def __init__(self, *bodies: Body) -> None:
-        """What is done at once."""
-        object.__setattr__(self, "bodies", bodies)
-
-
-@dataclass(frozen=True, slots=True)
-class Within(Step):
-    """Do something in at most so many simulated seconds, else fail."""
-
-    seconds: float
-    body: Body
-
-
-@dataclass(frozen=True, slots=True)
-class Repeat(Step):
-    """Do something several times; None: until it fails or is cancelled. Result: the last one's."""
-
-    body: Body
-    times: int | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class OnFailure(Step):
-    """Do `body`; if it fails try it `retries` times more, then do `otherwise` (None: fail)."""
-
-    body: Body
-    otherwise: Body | None = None
-    retries: int = 0
-
-
-@dataclass(frozen=True, slots=True)
-class As(Step):
-    """Do something with another of the world's robots; 0 is the first."""
-
-    robot: int
-    body: Body
-
-
-@dataclass(frozen=True, slots=True)
-class ForEachNode(Step):
-    """Do something for each node of the map: `body` is called with its number and gives a step."""
-
-    body: Callable[[int], Body]
-
-
-def describe(body: Any) -> str:
-    """A step as one readable line: `GoTo(node=5)`, without what is at its default."""
-    if isinstance(body, Race | Together):
-        return f"{type(body).__name__}({', '.join(describe(each) for each in body.bodies)})"
-    if isinstance(body, tuple):
-        return f"({', '.join(describe(each) for each in body)})"
-    if isinstance(body, type):
-        return body.__name__
-    if isinstance(body, Step):
-        return f"{type(body).__name__}({', '.join(_arguments(body))})"
-    if callable(body):
-        return f"{getattr(body, '__name__', type(body).__name__)}()"
-    return repr(body)
-
-
-def _arguments(step: Step) -> list[str]:
-    shown = []
-    for name, spec in type(step).__dataclass_fields__.items():
-        value = getattr(step, name)
-        if value == spec.default or (value == {} and name == "where"):
-            continue
-        nested = isinstance(value, Step | tuple | type) or callable(value)
-        shown.append(f"{name}={describe(value) if nested else repr(value)}")
-    return shown
+STEPS: tuple[type[Step], ...] = tuple(
+    value
+    for value in list(vars().values())
+    if isinstance(value, type) and issubclass(value, Step) and value.word
+)
+"""The steps that YAML knows: all that are defined or imported here and have a word."""

@@ -129,21 +129,21 @@ class MissionSession:
         """Ticks until the mission has ended; cancels it when its time is up or the user interrupts."""
         site, world, limit = self.sites[0], self.world, self.request.max_time
         runner = MissionRunner(mission, site.agent, site, journal)
-        site.agent.attach(runner)
+        runner.start()
         told = -1.0
         try:
             while not runner.ended:
                 for each in self.sites:
                     each.agent.tick()
                 if limit is not None and world.time >= limit:
-                    runner.cancel(f"not done within {limit:g} s")
+                    runner.stop(f"not done within {limit:g} s")
                 world.step()
                 if world.time - told >= 1.0:
                     told = world.time
                     nodes = site.map.graph.number_of_nodes() if site.map is not None else 0
                     progress(Progress(told, nodes, runner.doing))
         except KeyboardInterrupt:
-            runner.cancel("interrupted")
+            runner.stop("interrupted")
         for each in self.sites:
             each.agent.tick()  # so that the wheels rest and the last events are heard
             each.agent.close()

@@ -10,9 +10,9 @@ from ...agent import Agent
 from ...agent.errors import MissionError
 from ...agent.events import CornerReached, Event, LocalMapBuilt, NodeCreated, Stuck
 from ...agent.goals import LocalSamples
+from ...agent.listener import Outcome
 from ...agent.mapping.base import AnyMapper, ArcKey
 from ...agent.missions.steps import Explore
-from ...agent.missions.tasks import Outcome
 from ...agent.navigation.recovery import RecoveringNavigator
 from ...maps.hybrid_map import HybridMap
 from ...maps.local.local_map import LocalMap

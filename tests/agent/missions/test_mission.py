@@ -8,6 +8,7 @@ import pytest
 from tolman.agent import Agent
 from tolman.agent.errors import MissionError, StepFailedError
 from tolman.agent.events import Event, Lost, MissionEnded, NodeReached, Said, StepEnded
+from tolman.agent.listener import Outcome
 from tolman.agent.maneuvers import Foray
 from tolman.agent.missions.journal import Journal
 from tolman.agent.missions.mission import Mission, MissionRunner, Status
@@ -29,7 +30,6 @@ from tolman.agent.missions.steps import (
     Wait,
     Within,
 )
-from tolman.agent.missions.tasks import Outcome
 from tolman.behaviors.foray import ForayBehavior
 from tolman.plugins.testing import ScriptedRobot, percept
 
@@ -98,7 +98,12 @@ class Rig:
         self.heard = list[Event]()
         self.agent.bus.subscribe(Event, self.heard.append)
         self.runner = MissionRunner(mission, self.agent, self.site, journal)
-        self.agent.attach(self.runner)
+        self.runner.start()
+
+    @property
+    def result(self) -> Any:
+        assert self.runner.outcome is not None
+        return self.runner.outcome.result
 
     def run(self, ticks: int = 500) -> Rig:
         for _ in range(ticks):
@@ -126,7 +131,7 @@ def test_steps_are_done_in_order_and_the_script_gets_their_results() -> None:
     rig = Rig(Mission("m", mission)).run()
     assert seen == ["loop closed", 1, 2, 3]
     assert rig.site.log == ["explore left", "go to 1", "go to 2", "go to 3", "save a.tolman"]
-    assert (rig.runner.status, rig.runner.value) == (Status.DONE, "home")
+    assert (rig.runner.status, rig.result) == (Status.DONE, "home")
     ended = [event for event in rig.heard if isinstance(event, MissionEnded)]
     assert [event.status for event in ended] == ["done"]
 
@@ -146,7 +151,7 @@ def test_a_failed_step_is_raised_in_the_script_which_may_go_on() -> None:
 def test_a_failed_step_that_nobody_minds_fails_the_mission_with_its_reason() -> None:
     rig = run(GoTo(13), Save("never"))
     assert rig.runner.status is Status.FAILED
-    assert rig.runner.reason == "GoTo(node=13): lost the wall"
+    assert rig.runner.reason == "go to node 13: lost the wall"
     assert rig.site.log == ["go to 13"]
 
 
@@ -156,12 +161,28 @@ def test_a_step_that_cannot_even_begin_fails_like_any_other() -> None:
     assert rig.site.log == ["go to 99", "save plan b"]
 
 
+def test_why_a_step_cannot_begin_is_told_in_words() -> None:
+    assert run(GoTo(99)).runner.reason == "go to node 99: there is no node 99"
+    assert run((GoTo(1), GoTo(99))).runner.reason == "2 steps: go to node 99: there is no node 99"
+
+
+def test_what_say_tells_is_kept_for_whoever_shows_it() -> None:
+    assert run(Say("one"), As(1, Say("two"))).runner.said == ["one", "two"]
+
+
+def test_a_script_that_yields_itself_fails_the_mission() -> None:
+    def mission() -> Script:
+        yield mission
+
+    rig = Rig(Mission("m", mission)).run()
+    assert "more than 50 steps within one another" in rig.runner.reason
+
+
 def test_on_failure_retries_and_then_does_something_else() -> None:
     rig = run(OnFailure(GoTo(13), otherwise=GoTo(1), retries=2))
     assert rig.site.log == ["go to 13"] * 3 + ["go to 1"]
-    assert run(
-        OnFailure(GoTo(13), retries=1)
-    ).runner.reason == "OnFailure(body=GoTo(node=13), retries=1): " + ("GoTo(node=13): lost the wall")
+    reason = run(OnFailure(GoTo(13), retries=1)).runner.reason
+    assert reason == "try, at most 2 times: go to node 13: lost the wall"
 
 
 def test_the_first_to_succeed_wins_a_race_and_the_others_are_cancelled() -> None:
@@ -169,7 +190,7 @@ def test_the_first_to_succeed_wins_a_race_and_the_others_are_cancelled() -> None
         return (yield Race(GoTo(9), GoTo(13), GoTo(4)))
 
     rig = Rig(Mission("m", mission)).run()
-    assert rig.runner.value == (2, 4)
+    assert rig.result == (2, 4)
     assert [job.cancelled for job in rig.site.jobs] == [True, False, False]
 
 
@@ -179,7 +200,7 @@ def test_a_race_that_nobody_wins_fails_with_all_reasons() -> None:
 
 def test_together_waits_for_all_and_the_first_failure_ends_it() -> None:
     rig = run(Together(GoTo(2), GoTo(5)))
-    assert rig.runner.value == [2, 5]
+    assert rig.result == [2, 5]
     rig = run(Together(GoTo(13), GoTo(9)))
     assert rig.runner.status is Status.FAILED
     assert rig.site.jobs[1].cancelled
@@ -210,12 +231,12 @@ def test_until_gives_the_first_event_that_fits() -> None:
     rig.agent.tick()
     rig.agent.bus.publish(NodeReached(time=0.5, node=7))
     rig.run()
-    assert rig.runner.value == NodeReached(time=0.5, node=7)
+    assert rig.result == NodeReached(time=0.5, node=7)
 
 
 def test_until_fails_when_its_time_is_over() -> None:
     rig = run(Until(Lost, timeout=1.0))
-    assert rig.runner.reason == "Until(event=Lost, timeout=1.0): no Lost within 1 s"
+    assert rig.runner.reason == "wait for Lost: no Lost within 1 s"
     assert rig.agent.context.time == pytest.approx(1.0, abs=0.07)
 
 
@@ -253,7 +274,7 @@ def test_cancelling_stops_everything_and_runs_finally_blocks() -> None:
     rig = Rig(Mission("m", mission))
     rig.run(5)
     assert rig.agent.is_active("foray")
-    rig.runner.cancel("user")
+    rig.runner.stop("user")
     rig.agent.tick()
     assert done == ["tidied"]
     assert rig.site.jobs[0].cancelled
@@ -279,7 +300,7 @@ def test_an_endless_loop_of_steps_without_time_does_not_hang() -> None:
     rig = Rig(Mission.of("m", Repeat(Say("x"))))
     rig.agent.tick()
     assert not rig.runner.ended
-    rig.runner.cancel()
+    rig.runner.stop()
 
 
 def three_trips() -> Script:
@@ -304,7 +325,7 @@ def test_a_mission_goes_on_after_a_restart_from_the_last_completed_step(tmp_path
     done = sum(isinstance(event, StepEnded) and "." not in event.path for event in first.heard)
     again = Rig(Mission("trips", three_trips), Journal(path, mission="trips", resume=True)).run()
     assert again.runner.status is Status.DONE
-    assert again.runner.value == 107
+    assert again.result == 107
     expected = ["go to 1", "go to 2", "go to 13", "go to 5", "go to 4", "go to 3", "go to 3"]
     skipped = {0: 0, 1: 1, 2: 2, 3: 3, 4: 5}.get(done, 5)
     assert again.site.log in (expected[skipped:], expected[skipped + 1 :], [])
