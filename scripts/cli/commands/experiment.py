@@ -10,9 +10,11 @@ import signal
 import threading
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ...experiments.campaign.kinds import ENVIRONMENTS, FIRST_SEED
 from ..command import Command
 from ..errors import UsageError
 from ..options import integer
@@ -21,6 +23,7 @@ from ..output import ProgressLine, check_input, check_output, plain, stdout_to_s
 if TYPE_CHECKING:
     from ...experiments.campaign.campaign import Progress
     from ...experiments.campaign.running import Running
+    from ...experiments.page import Page
 
 DESCRIPTION = """Runs experiments of chapter 4 of the thesis in both profiles and prints their figures beside
 the published ones. NAME is table-N for N = 4.2, 4.3, 4.5, 4.6, 4.10, 4.12, 4.14, 4.15, 4.16, 4.18, `all`
@@ -65,7 +68,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--first-seed",
         type=integer(0),
-        default=4000,
+        default=FIRST_SEED,
         metavar="N",
         help="seed of the first run (default 4000)",
     )
@@ -113,11 +116,10 @@ def _hours(text: str) -> float:
 
 
 def _environments(text: str) -> tuple[str, ...]:
-    known = ("env1", "env2", "env3")
     names = text.split(",")
-    if not set(names) <= set(known):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a list of {', '.join(known)}")
-    return tuple(name for name in known if name in names)
+    if not set(names) <= set(ENVIRONMENTS):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a list of {', '.join(ENVIRONMENTS)}")
+    return tuple(name for name in ENVIRONMENTS if name in names)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -129,9 +131,7 @@ def run(options: argparse.Namespace) -> int:
         check_input(options.notes, "Markdown file")
     if options.work.exists() and not options.work.is_dir():
         raise UsageError(f"{options.work} is a file; --work names a folder")
-    from ...experiments.report.page import Page
-
-    page = Page.of(options)
+    page = _page(options)
     if page.studies and options.profile == "thesis":
         raise UsageError("studies are of profile default; leave out --profile thesis, or name tables alone")
     line = ProgressLine()
@@ -141,7 +141,7 @@ def run(options: argparse.Namespace) -> int:
         pictures = []
         if options.figures is not None:
             base = options.report.parent if options.report is not None else Path()
-            pictures = page.draw(options.figures, base)
+            pictures = _draw(page, options.figures, base)
     if options.json is not None:
         values = plain(page.values())
         options.json.write_text(json.dumps(values, indent=2, allow_nan=False) + "\n", encoding="utf-8")
@@ -152,6 +152,42 @@ def run(options: argparse.Namespace) -> int:
     else:
         print(text, end="")
     return 1 if page.errors else 0
+
+
+def _page(options: argparse.Namespace) -> Page:
+    """The page that the options ask for. Raises: CampaignError, WorldError."""
+    from ...experiments.campaign.plan import plan_for
+    from ...experiments.page import STUDIES, Page
+    from ...experiments.studies.study import Asked
+    from ...experiments.worlds.named import import_world
+
+    studies = [STUDIES[name] for name in dict.fromkeys(options.names) if name in STUDIES]
+    tables = [name for name in options.names if name not in STUDIES]
+    plan = plan_for(tables, options.runs, options.global_runs, options.first_seed, tuple(STUDIES))
+    plan = replace(
+        plan,
+        thesis_runs=options.thesis_runs,
+        thesis_global_runs=options.thesis_global_runs,
+        profiles=plan.profiles if options.profile == "both" else (options.profile,),
+        environments=options.environments or plan.environments,
+    )
+    asked = Asked(
+        options.runs,
+        options.first_seed,
+        options.environments or ENVIRONMENTS,
+        tuple(import_world(source, options.work) for source in options.imported),
+    )
+    notes = "" if options.notes is None else options.notes.read_text(encoding="utf-8").strip()
+    return Page(plan, studies, asked, options.work, notes)
+
+
+def _draw(page: Page, folder: Path, base: Path) -> list[tuple[str, str]]:
+    """Draws the figures of the tables; (title, path from `base`) of each."""
+    if not page.plan.tables:
+        return []
+    from ...experiments.report.figures import draw_figures
+
+    return draw_figures(page.plan, page.outcome, page.folder, folder, base)
 
 
 @contextlib.contextmanager

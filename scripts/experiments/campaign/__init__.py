@@ -1,1 +1,1 @@
-"""Campaigns: which runs there are, running them, keeping their rows."""
+"""Campaigns: which runs there are, how they are run, and how their results are kept."""

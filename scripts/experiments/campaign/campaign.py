@@ -22,6 +22,7 @@ import joblib
 
 from ...cli.output import plain
 
+Scalar = str | int | float | bool | None
 Result = dict[str, Any]
 Work = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 Version = Callable[[Mapping[str, Any]], str]
@@ -35,7 +36,7 @@ class CampaignError(ValueError):
 class Job:
     """One run: `settings` are JSON scalars by name, seed included, and all that the run depends on."""
 
-    settings: Mapping[str, str | int | float | bool | None]
+    settings: Mapping[str, Scalar]
 
     @property
     def key(self) -> str:

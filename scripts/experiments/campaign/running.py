@@ -2,29 +2,29 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from ..runs.beyond import run_unknown_start
-from ..runs.changes import run_changed_world
-from ..runs.mapping import run_mapping
-from ..runs.traversal import run_traversal
 from .campaign import Job, Progress, Result, Store, run_campaign
 from .version import code_version
 
-SIDES = ("right", "left")
-RUNS: Mapping[str, Callable[[Mapping[str, Any], Path], dict[str, Any]]] = MappingProxyType(
+RUNS: Mapping[str, str] = MappingProxyType(
     {
-        "map": run_mapping,
-        "traverse": run_traversal,
-        "unknown-start": run_unknown_start,
-        "changed-world": run_changed_world,
+        "map": "mapping:run_mapping",
+        "traverse": "traversal:run_traversal",
+        "unknown-start": "unknown_start:run_unknown_start",
+        "changed-world": "changed_world:run_changed_world",
     }
 )
-"""What a run of a job is, by its setting `kind`: from its settings and the work folder to figures."""
+"""What makes a run of a job, by its setting `kind`: module of `runs`, and the function in it.
+
+The function takes the job's settings and the work folder, and returns figures. It is imported where it is
+called: in the process that makes the run.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,11 +37,14 @@ class Running:
     progress: Callable[[str, Progress], None] = lambda what, progress: None
     failed: Callable[[Job, str], None] | None = None
 
-    def campaign(self, what: str, jobs: Sequence[Job], folder: Path) -> dict[str, Result]:
-        """Runs what the work folder does not have yet; results by job key. Raises: CampaignError."""
+    def campaign(self, what: str, groups: Iterable[Sequence[Job]], folder: Path) -> dict[str, Result]:
+        """Runs all groups at the same pace, but for what the work folder has; results by job key.
+
+        what: told with the progress. Raises: CampaignError.
+        """
         folder.mkdir(parents=True, exist_ok=True)
         return run_campaign(
-            jobs,
+            paced(groups),
             Work(folder),
             processes=self.processes,
             store=Store(folder / "runs.jsonl", version_of),
@@ -65,23 +68,21 @@ class Work:
 
     def __call__(self, settings: Mapping[str, Any]) -> dict[str, Any]:
         """Runs the job and returns its figures."""
-        return RUNS[str(settings["kind"])](settings, self.folder)
+        module, _, function = RUNS[str(settings["kind"])].partition(":")
+        run = getattr(importlib.import_module(f"...runs.{module}", __name__), function)
+        figures: dict[str, Any] = run(settings, self.folder)
+        return figures
 
 
 def version_of(settings: Mapping[str, Any]) -> str:
     """The version of the code that a job's result depends on; nothing for a kind that there is no more."""
-    run = RUNS.get(str(settings.get("kind")))
-    return code_version(run.__module__.removeprefix("tolman.scripts.")) if run is not None else ""
+    kind = str(settings.get("kind"))
+    return code_version(f"experiments.runs.{RUNS[kind].partition(':')[0]}") if kind in RUNS else ""
 
 
 def versions() -> dict[str, str]:
     """The version of the code by kind of run."""
     return {kind: version_of({"kind": kind}) for kind in RUNS}
-
-
-def seeds(first: int, runs: int) -> Iterable[tuple[int, str]]:
-    """Seeds and sides of runs: every second one follows the left wall."""
-    return ((first + k, SIDES[k % 2]) for k in range(runs))
 
 
 def paced(groups: Iterable[Sequence[Job]]) -> list[Job]:

@@ -12,8 +12,8 @@ from importlib.resources.abc import Traversable
 
 _COMPUTING = ("tolman.world", "tolman.maps", "tolman.agent", "tolman.behaviors", "tolman.plugins")
 _SCRIPTS = "tolman.scripts"
-_ONLY_HANDS_OUT = ("experiments.campaign.campaign", "cli.errors", "cli.output")
-"""Modules that a run's own import, and that cannot change what comes of it."""
+_ONLY_HAND_OUT = ("experiments.campaign.", "cli.")
+"""How modules are called that a run's own import, and that cannot change what comes of it."""
 
 
 @cache
@@ -49,7 +49,7 @@ def imported_scripts(script: str) -> set[str]:
     todo = [script]
     while todo:
         name = todo.pop()
-        if name not in found and name not in _ONLY_HANDS_OUT:
+        if name not in found and not name.startswith(_ONLY_HAND_OUT):
             found.add(name)
             todo += _neighbors(name)
     return found

@@ -1,1 +1,1 @@
-"""Rows, tables, figures and the page of results."""
+"""The Markdown and the pictures of a page of results."""

@@ -15,12 +15,10 @@ from numpy.typing import NDArray
 
 from ....world.arenas.catalog import find_world
 from ...drawing.plot import DOTS_PER_INCH, NO_DATES, NODE, WALL
-from ...session.truth import read_map_truth
-from ..campaign.campaign import Job, Result
-from ..campaign.plan import CORRECTED, GLOBAL, LOCAL, UNCORRECTED, Outcome, Plan
-from ..campaign.running import SIDES
-from ..runs.mapping import map_path
-from .som_figures import examples, metric_figure, perceptual_figure
+from ..campaign.jobs import SIDES
+from ..campaign.kinds import CORRECTED, GLOBAL, LOCAL, UNCORRECTED
+from ..campaign.plan import Outcome, Plan
+from .som_figures import examples, metric_figure, perceptual_figure, truth_of
 
 SIDE_COLORS = {"right": "#d08770", "left": "#5e81ac"}
 _RUNS = 3
@@ -111,18 +109,14 @@ def _room(axes: Axes, world: str) -> None:
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xticks=[], yticks=[])
 
 
-def _runs(outcome: Outcome, key: tuple[str, str, str]) -> Iterator[tuple[Job, Result]]:
-    yield from zip(outcome.jobs.get(key, []), outcome.results.get(key, []), strict=True)
-
-
 def _paths(plan: Plan, outcome: Outcome, work: Path, kind: str) -> Figure:
     figure, grid = _grid(plan)
     for axes, profile, world in _cells(plan, grid):
         _room(axes, world)
         for side in SIDES:
-            runs = (job for job, _ in _runs(outcome, (kind, world, profile)))
+            runs = (job for job, _ in outcome.runs(kind, world, profile))
             job = next((job for job in runs if job.settings["side"] == side), None)
-            truth = read_map_truth(map_path(work, job)) if job and map_path(work, job).exists() else None
+            truth = truth_of(job, work) if job is not None else None
             if truth is None:
                 continue
             axes.plot(truth.track[:, 0], truth.track[:, 1], color=SIDE_COLORS[side], lw=0.8, label=side)
@@ -138,11 +132,8 @@ def _estimates(plan: Plan, outcome: Outcome, work: Path, kind: str) -> Figure:
     for axes, profile, world in _cells(plan, grid):
         _room(axes, world)
         shown = []
-        for index, (job, result) in enumerate(_runs(outcome, (kind, world, profile))):
-            if index == _RUNS:
-                break
-            path = map_path(work, job)
-            truth = read_map_truth(path) if index == 0 and path.exists() else None
+        for index, (job, result) in enumerate(outcome.runs(kind, world, profile)[:_RUNS]):
+            truth = truth_of(job, work) if index == 0 else None
             places = np.array(list(result["estimates"].values())).reshape(-1, 2)
             axes.plot(places[:, 0], places[:, 1], "x-", ms=4, lw=0.6, color=f"C{index}", zorder=4)
             shown.append(places)
@@ -164,7 +155,7 @@ def _widen(axes: Axes, points: NDArray[np.float64]) -> None:
 def _traversals(plan: Plan, outcome: Outcome) -> Figure:
     figure, grid = _grid(plan, 2.6)
     for axes, profile, world in _cells(plan, grid):
-        for job, result in _runs(outcome, (UNCORRECTED, world, profile)):
+        for job, result in outcome.runs(UNCORRECTED, world, profile):
             ends = 100.0 * np.array(result["ends"], dtype=float)
             color = SIDE_COLORS[str(job.settings["map side"])]
             axes.plot(range(1, len(ends) + 1), ends, ".-", color=color, lw=0.7, ms=4, alpha=0.8)

@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 from ....maps.som.lattice import lattice_of
 from ....world.robot import Pose
 from ...drawing.plot import WALL
-from ...session.truth import read_map_truth
+from ...session.truth import TrueRun, read_map_truth
 from ..campaign.campaign import Job, Result
-from ..campaign.plan import LOCAL, Outcome, Plan
-from ..runs.mapping import map_path
-from ..runs.worlds import experiment_world
+from ..campaign.jobs import map_path
+from ..campaign.kinds import LOCAL
+from ..campaign.plan import Outcome, Plan
+from ..worlds.named import experiment_world
 
 Points = NDArray[np.float64]
 _HALF = 0.15
@@ -31,8 +32,7 @@ PATH, UNIT = "#7b8ba3", "#bf616a"
 def examples(plan: Plan, outcome: Outcome) -> list[tuple[Job, dict[str, Any]]]:
     """The local maps to draw, with the mapping they are of: of the first environment that has some."""
     for world in plan.environments:
-        key = (LOCAL, world, "default")
-        for job, result in zip(outcome.jobs.get(key, []), outcome.of(*key), strict=True):
+        for job, result in outcome.runs(LOCAL, world, "default"):
             if found := _most_open(result):
                 return [(job, example) for example in found]
     return []
@@ -76,6 +76,12 @@ def perceptual_figure(shown: list[tuple[Job, dict[str, Any]]], work: Path) -> Fi
     return figure
 
 
+def truth_of(job: Job, work: Path) -> TrueRun | None:
+    """What truly happened in a mapping, if the work folder has its map."""
+    path = map_path(work, job)
+    return read_map_truth(path) if path.exists() else None
+
+
 def _points(values: Any) -> Points:
     return np.array(values, dtype=float).reshape(-1, 2)
 
@@ -85,7 +91,7 @@ def _local_frame(axes: Axes, title: str, job: Job, node: int, work: Path) -> Non
     axes.set_aspect("equal")
     axes.set(xlim=(-_HALF, _HALF), ylim=(-_HALF, _HALF), xticks=[], yticks=[])
     axes.set_title(title, fontsize=8)
-    truth = read_map_truth(map_path(work, job)) if map_path(work, job).exists() else None
+    truth = truth_of(job, work)
     if truth is None or node not in truth.nodes:
         return
     for shape in experiment_world(str(job.settings["world"]), work).shapes:

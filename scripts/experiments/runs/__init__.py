@@ -1,1 +1,1 @@
-"""Single runs of the experiments, and the worlds they are made in."""
+"""Single runs, by kind: from plain settings to plain figures."""

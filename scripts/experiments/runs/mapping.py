@@ -18,45 +18,13 @@ from ...session.mapping_run import MappingRun, open_map_file
 from ...session.profiles import find_profile
 from ...session.requests import MapRequest
 from ..campaign.campaign import Job
-from .probes import AT_NODE, ExplorationProbe, LapProbe, TrainingRun
-from .worlds import experiment_world, noise_scale
+from ..campaign.jobs import map_path
+from ..worlds.named import experiment_world
+from .probes import AT_NODE, ExplorationProbe, LapProbe
+from .training import TrainingRun
 
 LONGEST = 60_000.0
 """Simulated seconds after which a mapping of an experiment is given up."""
-
-
-def mapping_job(
-    world: str,
-    side: str,
-    seed: int,
-    profile: str,
-    *,
-    local_maps: bool,
-    noise: str = "thesis",
-    training: bool = False,
-    islands: bool = False,
-) -> Job:
-    """A mapping as a job. world: see `worlds`. training: also train SOMs in all configurations."""
-    more = {"islands": True} if islands else {}
-    return Job(
-        {
-            **more,
-            "kind": "map",
-            "world": world,
-            "side": side,
-            "seed": seed,
-            "profile": profile,
-            "local_maps": local_maps,
-            "noise": noise,
-            "noise_scale": noise_scale(world),
-            "training": training,
-        }
-    )
-
-
-def map_path(folder: Path, job: Job) -> Path:
-    """Where the map of a mapping job is kept."""
-    return folder / "maps" / f"{job.key}.tolman"
 
 
 def run_mapping(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:

@@ -1,91 +1,124 @@
-"""Table 4.10: what training a local map's two self-organizing maps costs, and how well they fit."""
+"""A mapping that trains the SOMs of its local maps in every configuration of table 4.8."""
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..campaign.plan import LOCAL, Outcome, Plan
-from ..campaign.summary import Summary, summarize
-from ..report.published import SOM_TRAINING
+import numpy as np
+from numpy.typing import NDArray
 
-METRIC_LIMIT, PERCEPTUAL_LIMIT = 0.002, 0.003
-"""Seconds that training may take under profile `default`."""
+from ....agent.goals import LocalSamples
+from ....maps.local.local_map import LocalMap
+from ....maps.local.training import DEFAULT, THESIS_1
+from ....maps.som.som import SOM
+from ...session.mapping_run import MappingRun
+from ...session.profiles import THESIS_LOCAL_MAP
+
+CONFIGURATIONS = {"batch": DEFAULT, "configuration 1": THESIS_1, "configuration 2": THESIS_LOCAL_MAP}
+METRIC_SIZES = (3, 5, 10)
+EXAMPLES = 4
 
 
 @dataclass(frozen=True, slots=True)
-class TrainingRow:
-    """One configuration of one SOM over all local maps that were measured."""
+class Fit:
+    """A self-organizing map trained in one configuration. data: (n, values); seconds: of processor time."""
 
     configuration: str
-    som: str
-    steps: Summary
-    seconds: Summary
-    error: Summary
-    used: Summary
-    published: str
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain values; error in mm for metric SOMs, else a Euclidean distance of luminances."""
-        return {
-            "configuration": self.configuration,
-            "som": self.som,
-            "local_maps": self.steps.count,
-            "published": self.published,
-            **{
-                name: {"mean": found.mean, "least": found.least, "greatest": found.greatest}
-                for name, found in (
-                    ("steps", self.steps),
-                    ("seconds", self.seconds),
-                    ("quantization_error", self.error),
-                    ("units_used", self.used),
-                )
-            },
-        }
+    som: SOM
+    data: NDArray[np.float64]
+    seconds: float
+    metric: bool
+    standard: bool
+    """Whether it has the size that local maps have."""
 
 
-def training_rows(plan: Plan, outcome: Outcome) -> list[TrainingRow]:
-    """The rows of table 4.10, over the runs that trained every configuration."""
-    trained: list[dict[str, dict[str, Any]]] = [
-        one
-        for world in plan.environments
-        for result in outcome.of(LOCAL, world, "default")
-        for one in result["trained"]
-    ]
-    names = list(dict.fromkeys(name for one in trained for name in one))
-    return [row for name in names if (row := _row(name, [one[name] for one in trained if name in one]))]
+def fits(samples: LocalSamples, seed: int, node: int) -> list[Fit]:
+    """Both SOMs trained on one local map's samples in every configuration, metric ones in several sizes."""
+    places = samples.positions / DEFAULT.size + 0.5
+    views = samples.panoramas.reshape(len(samples.panoramas), -1).astype(np.float64)
+    found = []
+    for name, config in CONFIGURATIONS.items():
+        todo = [(places, size, config.metric) for size in METRIC_SIZES]
+        todo += [(views, config.rows, config.perceptual)] if len(views) else []
+        for data, size, schedule in todo:
+            random = np.random.default_rng(np.random.SeedSequence([seed, node]))
+            began = time.process_time()
+            som = SOM(size, size, config.topology).fit(data, schedule, random)
+            seconds = time.process_time() - began
+            found.append(Fit(name, som, data, seconds, data is places, size == config.rows))
+    return found
 
 
-def _row(name: str, found: Sequence[dict[str, Any]]) -> TrainingRow | None:
-    configuration, som = name.split(", ", 1)
-    scale = 1000 * float(found[0].get("unit", 0.001)) if som.startswith("metric") else 1.0
-    summaries = [
-        summarize([factor * float(one[key]) for one in found])
-        for key, factor in (("steps", 1.0), ("seconds", 1.0), ("error", scale), ("used", 1.0))
-    ]
-    steps, seconds, error, used = summaries
-    if steps is None or seconds is None or error is None or used is None:
-        return None
-    return TrainingRow(configuration, som, steps, seconds, error, used, _published(configuration, som))
+def training(found: Sequence[Fit]) -> dict[str, Any]:
+    """What each fit took: steps, seconds, quantization error.
+
+    Seconds are of processor time, so that a busy machine does not count; they are the only figures of an
+    experiment that differ from run to run.
+    """
+    return {_label(fit): _figures(fit) | ({"unit": DEFAULT.size} if fit.metric else {}) for fit in found}
 
 
-def _published(configuration: str, som: str) -> str:
-    if configuration == "batch" or som not in ("metric", "perceptual"):
-        return ""
-    column = int(configuration[-1]) - 1
-    least, greatest = (SOM_TRAINING[f"{som}, iterations, {end}"][column] for end in ("least", "greatest"))
-    seconds = SOM_TRAINING[f"{som}, time, mean (s)"][column]
-    return f"{least:.0f} to {greatest:.0f} steps, {seconds:g} s"
+def _label(fit: Fit) -> str:
+    size = "" if fit.standard else f" {_size(fit)}"
+    return f"{fit.configuration}, {'metric' if fit.metric else 'perceptual'}{size}"
 
 
-def training_reached(rows: Sequence[TrainingRow]) -> dict[str, bool]:
-    """By SOM: whether the batch training keeps its time and fits better than both configurations."""
-    reached = {}
-    for som, limit in (("metric", METRIC_LIMIT), ("perceptual", PERCEPTUAL_LIMIT)):
-        by_name = {row.configuration: row for row in rows if row.som == som}
-        if len(by_name) == 3:
-            ours = by_name.pop("batch")
-            others = min(row.error.mean for row in by_name.values())
-            reached[som] = ours.seconds.mean <= limit and ours.error.mean < others
-    return reached
+def _size(fit: Fit) -> str:
+    side = math.isqrt(len(fit.som.weights))
+    return f"{side}x{side}"
+
+
+def _figures(fit: Fit) -> dict[str, Any]:
+    assert fit.som.training is not None
+    return {
+        "steps": fit.som.training.steps,
+        "converged": fit.som.training.converged,
+        "seconds": fit.seconds,
+        "error": fit.som.quantization_error(fit.data),
+        "used": len(set(fit.som.winners(fit.data).tolist())),
+        "samples": len(fit.data),
+    }
+
+
+def example(samples: LocalSamples, found: Sequence[Fit], node: int) -> dict[str, Any]:
+    """One local map's samples and what every configuration makes of them, to draw (figures 4.7, 4.9 to 4.11).
+
+    positions, views: (n, 2) m, local frame. metric: weights (units, 2) m by configuration and size.
+    perceptual: the unit of each view, by configuration; all as JSON values.
+    """
+    metric = [fit for fit in found if fit.metric and (fit.standard or fit.configuration == "batch")]
+    return {
+        "node": node,
+        "positions": np.round(samples.positions, 4).tolist(),
+        "views": np.round(samples.panorama_positions, 4).tolist(),
+        "metric": {
+            f"{fit.configuration}, {_size(fit)}": np.round((fit.som.weights - 0.5) * DEFAULT.size, 4).tolist()
+            for fit in metric
+        },
+        "perceptual": {
+            fit.configuration: fit.som.winners(fit.data).tolist() for fit in found if not fit.metric
+        },
+    }
+
+
+class TrainingRun(MappingRun):
+    """A mapping that also trains every configuration of table 4.8 on what each local map was made of."""
+
+    trained: list[dict[str, Any]]
+    examples: list[dict[str, Any]]
+    """Of the first local maps."""
+
+    def build(self, samples: LocalSamples, entry_heading: float) -> LocalMap:
+        """Trains all of them too."""
+        if not hasattr(self, "trained"):
+            self.trained, self.examples = [], []
+        node = self.mapper.current
+        found = fits(samples, self.request.seed, node)
+        if len(self.examples) < EXAMPLES:
+            self.examples.append(example(samples, found, node))
+        self.trained.append(training(found))
+        return super().build(samples, entry_heading)

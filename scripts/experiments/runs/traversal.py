@@ -28,47 +28,13 @@ from ...session.assembly import make_agent, make_world
 from ...session.profiles import find_profile, make_navigator
 from ...session.requests import Simulation
 from ...session.truth import read_map_truth
-from ..campaign.campaign import Job
-from .mapping import map_path, run_mapping
-from .worlds import experiment_world
+from ..worlds.named import experiment_world
+from .over_map import LOST_BEYOND, mapped_for, simulation_of
 
 TRAVERSALS = 5
 LOCAL_IN = (1, 2, 4, 5)
 """Traversals in which every other local map is driven too (section 4.3.2)."""
-LOST_BEYOND = 0.15
 _TIME_PER_METER, _TIME_AT_NODE = 150.0, 900.0
-
-
-def traversal_job(map_job: Job, seed: int, *, corrected: bool) -> Job:
-    """A traversal run over the map of a mapping job. corrected: local maps are driven too (4.14 to 4.16)."""
-    settings = {f"map {name}": value for name, value in map_job.settings.items()}
-    return Job({"kind": "traverse", "seed": seed, "corrected": corrected, **settings})
-
-
-def map_job_of(settings: Mapping[str, Any]) -> Job:
-    """The mapping job whose map a traversal job drives."""
-    values = {name[4:]: value for name, value in settings.items() if name.startswith("map ")}
-    return Job(values)
-
-
-def mapped_for(settings: Mapping[str, Any], folder: Path) -> Path:
-    """The map that a job is about; it is mapped if the folder does not have it yet."""
-    map_job = map_job_of(settings)
-    path = map_path(folder, map_job)
-    if not path.exists():
-        run_mapping(map_job.settings, folder)
-    return path
-
-
-def simulation_of(settings: Mapping[str, Any]) -> Simulation:
-    """How a job that is about a map is simulated: with the map's profile and noise, and a seed of its own."""
-    return Simulation(
-        seed=int(settings["seed"]),
-        profile=str(settings["map profile"]),
-        noise=str(settings["map noise"]),
-        noise_scale=float(settings["map noise_scale"]),
-        engine=str(settings.get("engine", "dart")),
-    )
 
 
 def run_traversal(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:

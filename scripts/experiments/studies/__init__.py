@@ -1,1 +1,1 @@
-"""Studies past the thesis: variants, unseen rooms, ablations."""
+"""Studies beyond the thesis: variants, ablation, drawn rooms, unknown starts and changed worlds."""

@@ -11,8 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from ..campaign.campaign import Job, Result
-from ..campaign.plan import FIRST_SEED
-from ..campaign.running import ALONE, Running, paced
+from ..campaign.jobs import mapping_job, seeds, trip_job
+from ..campaign.kinds import ENVIRONMENTS, FIRST_SEED
+from ..campaign.running import ALONE, Running
+from ..results.scores import Runs
 
 Results = Mapping[str, Result]
 """By job key."""
@@ -24,7 +26,7 @@ class Asked:
 
     runs: int | None = None
     first_seed: int = FIRST_SEED
-    environments: tuple[str, ...] = ("env1", "env2", "env3")
+    environments: tuple[str, ...] = ENVIRONMENTS
     imported: tuple[str, ...] = ()
 
 
@@ -52,12 +54,67 @@ def run_study(study: Study, asked: Asked, folder: Path, running: Running = ALONE
     """
     results: dict[str, Result] = {}
     for number, stage in enumerate(study.stages, 1):
-        groups = stage(asked, results)
         what = study.name if len(study.stages) == 1 else f"{study.name} {number} of {len(study.stages)}"
-        results |= running.campaign(what, paced(list(groups.values())), folder)
+        results |= running.campaign(what, stage(asked, results).values(), folder)
     return results
 
 
 def finished(jobs: Sequence[Job], results: Results) -> list[tuple[Job, Result]]:
     """The jobs that have a result, with it."""
     return [(job, results[job.key]) for job in jobs if job.key in results]
+
+
+_TRIP_SEED = 500
+"""Added to a map's seed for the traversals of it: they meet other noise than the map's."""
+
+
+def mappings_of(
+    world: str, asked: Asked, runs: int, profile: str = "default", *, local_maps: bool
+) -> list[Job]:
+    """The mappings of one world, the sides in turn. runs: how many where it was not asked."""
+    return [
+        mapping_job(world, side, seed, profile, local_maps=local_maps)
+        for seed, side in seeds(asked.first_seed, asked.runs or runs)
+    ]
+
+
+def _trips(jobs: Sequence[Job], results: Results, *, corrected: bool) -> list[Job]:
+    """The traversals of the maps of these mappings that got round."""
+    return [
+        trip_job("traverse", job, int(str(job.settings["seed"])) + _TRIP_SEED, corrected=corrected)
+        for job, result in finished(jobs, results)
+        if result["finished"] and (job.settings["local_maps"] or not corrected)
+    ]
+
+
+@dataclass(frozen=True, slots=True)
+class MapAndDrive:
+    """Mappings, by what they are for, and then five traversals of each map that got round.
+
+    corrected: of a name, whether its maps are driven from node to node (False), with local maps (True), or
+    both.
+    """
+
+    mappings: Callable[[Asked], Mapping[str, list[Job]]]
+    corrected: Callable[[str], tuple[bool, ...]]
+
+    @property
+    def stages(self) -> tuple[Stage, ...]:
+        """First all mappings, then the traversals."""
+        return (lambda asked, results: self.mappings(asked), self._traversals)
+
+    def _traversals(self, asked: Asked, results: Results) -> Groups:
+        return {
+            f"{name}, {corrected}": _trips(jobs, results, corrected=corrected)
+            for name, jobs in self.mappings(asked).items()
+            for corrected in self.corrected(name)
+        }
+
+    def found(self, asked: Asked, results: Results) -> dict[str, Runs]:
+        """What has finished, by name."""
+
+        def runs(jobs: list[Job]) -> Runs:
+            driven = (_trips(jobs, results, corrected=corrected) for corrected in (False, True))
+            return Runs(*([result for _, result in finished(group, results)] for group in (jobs, *driven)))
+
+        return {name: runs(jobs) for name, jobs in self.mappings(asked).items()}

@@ -1,4 +1,4 @@
-"""Experiments beyond the thesis: trips in a world that has changed since it was mapped.
+"""One trip of an experiment in a world that has changed since it was mapped.
 
 A job's settings name the mapping (keys `map ...`, as for traversals), a `seed` and a `change`: "added" (a box
 at a wall), "removed", "moved" (a box of the world), "shut" (a passage).
@@ -36,10 +36,9 @@ from ....world.spec import Box, Shape, WorldSpec
 from ...session.assembly import make_agent
 from ...session.profiles import find_profile, make_navigator
 from ...session.trip_run import Trip
-from ..campaign.campaign import Job
-from .traversal import LOST_BEYOND, mapped_for, simulation_of
+from ..campaign.jobs import CHANGES
+from .over_map import LOST_BEYOND, mapped_for, simulation_of
 
-CHANGES = ("added", "removed", "moved", "shut")
 _OUTSIDE = 4
 """The first shapes of a world are the walls around it."""
 _AT_A_BOX = 0.09
@@ -47,16 +46,9 @@ _AT_A_BOX = 0.09
 _TRIES = 2000
 
 
-def changed_world_job(map_job: Job, seed: int, change: str) -> Job:
-    """A trip over the map of a mapping job, in a world that has changed."""
-    settings = {f"map {name}": value for name, value in map_job.settings.items()}
-    return Job({"kind": "changed-world", "seed": seed, "change": change, **settings})
-
-
 def run_changed_world(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """Changes the world of a map and sends the robot somewhere; lengths in m."""
-    path = mapped_for(settings, folder)
-    return drive_in_changed_world(path, settings)
+    return drive_in_changed_world(mapped_for(settings, folder), settings)
 
 
 def drive_in_changed_world(path: Path, settings: Mapping[str, Any]) -> dict[str, Any]:

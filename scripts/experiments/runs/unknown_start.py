@@ -1,4 +1,4 @@
-"""Experiments beyond the thesis: starts that the robot is not told, over maps of a campaign.
+"""One unknown start of an experiment: a robot dropped somewhere on a map finds out where it is.
 
 A job's settings name the mapping (keys `map ...`, as for traversals), a `seed` that draws the start, and
 where it is dropped. `run_unknown_start(settings, folder) -> dict` maps if the folder has no such map yet.
@@ -33,24 +33,16 @@ from ....world.robot import EPUCK, Pose
 from ...session.assembly import make_agent, make_world
 from ...session.trip_run import Trip
 from ...session.truth import read_map_truth
-from ..campaign.campaign import Job
-from .traversal import LOST_BEYOND, mapped_for, simulation_of
+from .over_map import LOST_BEYOND, mapped_for, simulation_of
 
-DROPS: Mapping[str, tuple[float, float]] = {"wall": (0.04, 0.10), "open": (0.10, math.inf)}
+DISTANCES: Mapping[str, tuple[float, float]] = {"wall": (0.04, 0.10), "open": (0.10, math.inf)}
 """Where a robot is dropped: least and most distance (m) of its center from the nearest wall."""
 _TRIES = 100_000
 
 
-def unknown_start_job(map_job: Job, seed: int, drop: str) -> Job:
-    """A start that the robot is not told, on the map of a mapping job. drop: "wall" or "open"."""
-    settings = {f"map {name}": value for name, value in map_job.settings.items()}
-    return Job({"kind": "unknown-start", "seed": seed, "drop": drop, **settings})
-
-
 def run_unknown_start(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """Drops a robot somewhere and lets it find out where it is; lengths in m, angles in rad."""
-    path = mapped_for(settings, folder)
-    return find_place(path, settings)
+    return find_place(mapped_for(settings, folder), settings)
 
 
 def find_place(path: Path, settings: Mapping[str, Any]) -> dict[str, Any]:
@@ -93,8 +85,8 @@ def drop_pose(plan: Plan, drop: str, seed: int) -> Pose:
 
     Raises: ValueError if there seems to be no such place.
     """
-    nearest, farthest = DROPS[drop]
-    rng = np.random.default_rng(np.random.SeedSequence([seed, sorted(DROPS).index(drop)]))
+    nearest, farthest = DISTANCES[drop]
+    rng = np.random.default_rng(np.random.SeedSequence([seed, sorted(DISTANCES).index(drop)]))
     x0, y0, x1, y1 = plan.bounds
     for _ in range(_TRIES):
         x, y, heading = rng.uniform((x0, y0, -math.pi), (x1, y1, math.pi))

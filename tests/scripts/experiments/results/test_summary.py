@@ -5,7 +5,7 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tolman.scripts.experiments.campaign.summary import markdown_table, share, summarize
+from tolman.scripts.experiments.results.summary import markdown_table, share, summarize
 
 
 @given(st.lists(st.floats(0, 1e6), min_size=1, max_size=50))

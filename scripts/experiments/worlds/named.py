@@ -1,8 +1,4 @@
-"""The worlds of experiments by name: built in, changed, or imported into the work folder.
-
-"env1", "env1 rotated", "epuck_world.wbt", "map.yaml x0.4": a world's name, then what is done to it; "random
-17": the room drawn from that seed.
-"""
+"""The worlds of experiments by name (see `names`): built in, changed, drawn, or imported."""
 
 from __future__ import annotations
 
@@ -17,24 +13,22 @@ from ....world.arenas.catalog import built_in_worlds, find_world
 from ....world.errors import WorldError
 from ....world.spec import WorldSpec
 from ....world.transforms import mirrored, rotated, scaled
-from ...cli.errors import UsageError
+from .names import NOISIER, RANDOM, split
 from .random_rooms import random_room
 from .shaped_rooms import SHAPES, shaped_room
 
 ODD_ANGLE = math.radians(17.0)
 """No multiple of it up to a full turn is near a right angle's."""
-NOISIER = 1.5
-RANDOM = "random"
 CHANGES: Mapping[str, Callable[[WorldSpec], WorldSpec]] = MappingProxyType(
     {
         "rotated": lambda spec: rotated(spec, ODD_ANGLE),
         "mirrored": mirrored,
         "smaller": lambda spec: scaled(spec, 0.8),
         "larger": lambda spec: scaled(spec, 1.2),
-        "noisier": lambda spec: spec,
+        NOISIER: lambda spec: spec,
     }
 )
-"""What is done to an environment, to see whether results hold there. "noisier" leaves the world as it is."""
+"""What is done to an environment, to see whether results hold there."""
 _SCALE = re.compile(r"x(\d+(?:\.\d+)?)")
 _SUFFIXES = {".yaml", ".yml", ".wbt", ".txt"}
 
@@ -60,31 +54,20 @@ def experiment_world(name: str, folder: Path) -> WorldSpec:
     return CHANGES[change](spec)
 
 
-def noise_scale(name: str) -> float:
-    """What the noise is multiplied by in the world of that name."""
-    return NOISIER if split(name)[1] == "noisier" else 1.0
-
-
-def split(name: str) -> tuple[str, str]:
-    """The world's own name, and what is done to it ("" for nothing)."""
-    base, _, change = name.partition(" ")
-    return base, change
-
-
 def import_world(source: str, folder: Path) -> str:
     """Copies a world file, with the bitmap it may name, into the work folder; returns its name there.
 
     source: "FILE" or "FILE:SCALE". Work folders so hold all that their runs depend on.
-    Raises: UsageError for a file that is not there or not a world's.
+    Raises: WorldError for a file that is not there or not a world's.
     """
     text, _, scale = source.rpartition(":")
     if not text:
         text, scale = source, ""
     path = Path(text)
     if path.suffix not in _SUFFIXES or not path.is_file():
-        raise UsageError(f"{source}: expected an existing world file ({', '.join(sorted(_SUFFIXES))})")
+        raise WorldError(f"{source}: expected an existing world file ({', '.join(sorted(_SUFFIXES))})")
     if scale and not _SCALE.fullmatch(f"x{scale}"):
-        raise UsageError(f"{source}: {scale!r} is no scale; write it as in {path.name}:0.4")
+        raise WorldError(f"{source}: {scale!r} is no scale; write it as in {path.name}:0.4")
     target = _imported(folder)
     target.mkdir(parents=True, exist_ok=True)
     for file in (path, *_bitmaps(path)):

@@ -10,39 +10,34 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from ..campaign.campaign import Job
-from ..campaign.running import seeds
-from ..campaign.summary import markdown_table, share
-from ..report.scores import SCORES, Runs, cell, closed, driven, failures, score_values
-from ..runs.mapping import mapping_job
-from ..runs.random_rooms import KINDS
-from ..runs.shaped_rooms import SHAPES
-from ..runs.worlds import RANDOM
-from .study import Asked, Groups, Results, Study
-from .variants import runs_of, trips
+from ..campaign.jobs import mapping_job, seeds
+from ..results.scores import Runs, driven, runs_table, score_values, with_failures
+from ..results.summary import share
+from ..worlds.names import RANDOM
+from ..worlds.random_rooms import KINDS
+from ..worlds.shaped_rooms import SHAPES
+from .study import Asked, MapAndDrive, Results, Study
 
 RUNS, RUNS_A_SHAPE = 60, 20
 """Pairs of a world and a seed, where not asked otherwise; `RUNS_A_SHAPE` for each kind of shape."""
 WANTED = 0.95
-Maps = Callable[[Asked], dict[str, list[Job]]]
-"""Mappings by the kind of room."""
+_MAP_ERROR = "map error (cm)"
+
+
+def _mapping(kind: str, seed: int, side: str) -> Job:
+    return mapping_job(f"{kind} {seed}", side, seed, "default", local_maps=False)
 
 
 def _unseen(asked: Asked) -> dict[str, list[Job]]:
     jobs: dict[str, list[Job]] = {kind: [] for kind in KINDS}
     for seed, side in seeds(asked.first_seed, asked.runs or RUNS):
-        job = mapping_job(f"{RANDOM} {seed}", side, seed, "default", local_maps=False)
-        jobs[KINDS[seed % len(KINDS)]].append(job)
+        jobs[KINDS[seed % len(KINDS)]].append(_mapping(RANDOM, seed, side))
     return jobs
 
 
 def _shapes(asked: Asked) -> dict[str, list[Job]]:
-    return {
-        kind: [
-            mapping_job(f"{kind} {seed}", side, seed, "default", local_maps=False)
-            for seed, side in seeds(asked.first_seed, asked.runs or RUNS_A_SHAPE)
-        ]
-        for kind in SHAPES
-    }
+    pairs = list(seeds(asked.first_seed, asked.runs or RUNS_A_SHAPE))
+    return {kind: [_mapping(kind, seed, side) for seed, side in pairs] for kind in SHAPES}
 
 
 def _done(runs: Sequence[Runs]) -> tuple[int, int]:
@@ -52,34 +47,27 @@ def _done(runs: Sequence[Runs]) -> tuple[int, int]:
     return max(0, good - wrong), sum(len(each.maps) for each in runs)
 
 
-def _drawn(name: str, title: str, text: str, maps: Maps, bent: frozenset[str] = frozenset()) -> Study:
+def _drawn(
+    name: str, title: str, text: str, maps: Callable[[Asked], dict[str, list[Job]]], bent: Sequence[str] = ()
+) -> Study:
     """A study of drawn rooms. text: what is drawn. bent: kinds whose arcs are no straight lines."""
-
-    def mappings(asked: Asked, results: Results) -> Groups:
-        return maps(asked)
-
-    def driving(asked: Asked, results: Results) -> Groups:
-        return {kind: trips(jobs, results, corrected=False) for kind, jobs in maps(asked).items()}
-
-    def found(asked: Asked, results: Results) -> dict[str, Runs]:
-        return {kind: runs_of(jobs, results) for kind, jobs in maps(asked).items()}
+    drives = MapAndDrive(maps, lambda kind: (False,))
 
     def report(asked: Asked, results: Results) -> str:
         planned = sum(len(jobs) for jobs in maps(asked).values())
-        return _report(
-            found(asked, results), f"{text}, drawn from seeds {asked.first_seed} on", planned, bent
-        )
+        drawn = f"{text}, drawn from seeds {asked.first_seed} on"
+        return _report(drives.found(asked, results), drawn, planned, bent)
 
     def values(asked: Asked, results: Results) -> Any:
-        by_kind = found(asked, results)
+        by_kind = drives.found(asked, results)
         good, total = _done(list(by_kind.values()))
         kinds = {kind: score_values(runs) for kind, runs in by_kind.items()}
         return {"done": good, "of": total, "kinds": kinds}
 
-    return Study(name, title, (mappings, driving), report, values)
+    return Study(name, title, drives.stages, report, values)
 
 
-def _report(found: dict[str, Runs], text: str, planned: int, bent: frozenset[str]) -> str:
+def _report(found: dict[str, Runs], text: str, planned: int, bent: Sequence[str]) -> str:
     good, total = _done(list(found.values()))
     text += (
         f" ({total} finished of {planned}): mapped without local maps, then five traversals from node to "
@@ -97,27 +85,13 @@ def _report(found: dict[str, Runs], text: str, planned: int, bent: frozenset[str
             f" Mapped, closed rightly and driven to the end: **{good} of {total}** (at least {100 * low:.0f} "
             f"% with 95 % confidence); target {100 * WANTED:.0f} %, {reached}."
         )
-    names = ("map error (cm)", "end, not corrected (cm)")
-    scores = [score for score in SCORES if score.name in names]
-    lines = [
-        [
-            kind,
-            closed(runs.maps),
-            *(
-                "" if kind in bent and score.name == names[0] else cell(score.values(runs))
-                for score in scores
-            ),
-            driven(runs.uncorrected),
-            str(sum(int(run["collisions"]) for run in (*runs.maps, *runs.uncorrected))),
-        ]
-        for kind, runs in found.items()
-    ]
-    table = markdown_table(["rooms", "closed rightly", *names, "traversals completed", "collisions"], lines)
-    lost = [line for kind, runs in found.items() for line in failures(kind, runs)]
-    parts = [text, table]
-    if lost:
-        parts.append("Runs that did not do all they were to:\n\n" + "\n".join(lost))
-    return "\n\n".join(parts)
+    columns = {
+        "traversals completed": lambda kind, runs: driven(runs.uncorrected),
+        "collisions": lambda kind, runs: str(runs.collisions),
+    }
+    left_out = [(kind, _MAP_ERROR) for kind in bent]
+    table = runs_table("rooms", found, (_MAP_ERROR, "end, not corrected (cm)"), columns, left_out)
+    return with_failures([text, table], found)
 
 
 UNSEEN = _drawn(
@@ -132,5 +106,5 @@ SHAPED = _drawn(
     "Rooms of five to nine walls at any angle, rooms with round pillars in their walls (6 to 30 cm in "
     "radius), and rooms in two parts joined by a passage 10 to 14 cm wide",
     _shapes,
-    frozenset({"round"}),
+    ("round",),
 )

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
-from ..campaign.plan import Outcome, Plan
-from ..campaign.summary import Summary, share, summarize
-from .published import PUBLISHED
-from .targets import TARGETS, Target
+import numpy as np
 
-Values = Callable[[Outcome, str, str], list[float]]
-Share = Callable[[Outcome, str, str], tuple[int, int]]
+from ..campaign.kinds import ENVIRONMENTS
+from ..campaign.plan import Outcome, Plan
+from .published import PUBLISHED
+from .summary import Summary, share, summarize
+from .tables import SCALES, Figure, Runs, Table
+from .targets import TARGETS, Target
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,55 +70,22 @@ class Row:
         }
 
 
-@dataclass(frozen=True, slots=True)
-class Figure:
-    """How one figure is made: from `values`, or counted by `counted`.
-
-    published: the names in the published table of its mean, least and greatest. wanted: the share of runs
-    that is the target of a count. only: the profile that has it, if not both.
-    """
-
-    name: str
-    unit: str
-    values: Values | None = None
-    counted: Share | None = None
-    published: tuple[str, str, str] = ("", "", "")
-    wanted: float | None = None
-    only: str = ""
-
-
-Remark = Callable[[Plan, Outcome], str]
-
-
-@dataclass(frozen=True, slots=True)
-class Table:
-    """One table of the report. remarks: sentences about it as a whole, "" where there is nothing to say."""
-
-    number: str
-    title: str
-    figures: Sequence[Figure]
-    notes: Sequence[str] = field(default_factory=tuple)
-    remarks: Sequence[Remark] = field(default_factory=tuple)
-
-
 def rows_of(table: Table, plan: Plan, outcome: Outcome) -> list[Row]:
     """The table's rows, figure by figure, environment by environment."""
     return [
-        _row(table, figure, plan, outcome, index, world)
+        _row(table, figure, plan, outcome, ENVIRONMENTS.index(world), world)
         for figure in table.figures
-        for index, world in enumerate(plan.environments)
+        for world in plan.environments
     ]
 
 
 def _row(table: Table, figure: Figure, plan: Plan, outcome: Outcome, index: int, world: str) -> Row:
-    figures = PUBLISHED[table.number].figures if table.number in PUBLISHED else {}
-    mean, least, greatest = (
-        figures[name].values[index] if name in figures else None for name in figure.published
-    )
-    measured: dict[str, Measured] = {}
-    for profile in plan.profiles:
-        if figure.only in ("", profile):
-            measured[profile] = _measure(figure, outcome, world, profile)
+    measured = {
+        profile: _measure(figure, partial(outcome.runs, environment=world, profile=profile))
+        for profile in plan.profiles
+        if figure.only in ("", profile)
+    }
+    published = _published(table.number, figure.published, index)
     target = TARGETS.get((table.number, figure.name), Target())
     text = target.describe(index)
     if figure.wanted is not None:
@@ -126,20 +94,33 @@ def _row(table: Table, figure: Figure, plan: Plan, outcome: Outcome, index: int,
         figure.name,
         figure.unit,
         world,
-        (mean, least, greatest),
+        published,
         measured,
         text,
         _reached(measured.get("default"), target, figure.wanted, index) if text else None,
-        _reproduced(measured.get("thesis"), least, greatest),
+        _reproduced(measured.get("thesis"), *published[1:]),
     )
 
 
-def _measure(figure: Figure, outcome: Outcome, world: str, profile: str) -> Measured:
+def _published(table: str, name: str, index: int) -> tuple[float | None, float | None, float | None]:
+    """Mean, least and greatest of a published figure in one environment; a single value counts as mean."""
+    figures = PUBLISHED[table].figures if name else {}
+    mean, least, greatest = (
+        figures[part][index] if (part := f"{name}, {end}") in figures else None
+        for end in ("mean", "least", "greatest")
+    )
+    return figures[name][index] if name in figures else mean, least, greatest
+
+
+def _measure(figure: Figure, runs: Runs) -> Measured:
     if figure.counted is not None:
-        count, runs = figure.counted(outcome, world, profile)
-        return Measured(count=count, runs=runs)
+        kind, test = figure.counted
+        results = [result for _, result in runs(kind)]
+        return Measured(count=sum(map(test, results)), runs=len(results))
     assert figure.values is not None
-    values = figure.values(outcome, world, profile)
+    values = [SCALES[figure.unit] * value for value in figure.values(runs)]
+    if figure.percentile is not None and values:
+        values = [float(np.percentile(values, figure.percentile))]
     return Measured(summarize([value for value in values if math.isfinite(value)]))
 
 

@@ -4,15 +4,13 @@ import math
 from pathlib import Path
 
 import pytest
-from tolman.scripts.cli.errors import UsageError
-from tolman.scripts.experiments.runs.worlds import (
+from tolman.scripts.experiments.worlds.named import (
     CHANGES,
     ODD_ANGLE,
     experiment_world,
     import_world,
-    noise_scale,
-    split,
 )
+from tolman.scripts.experiments.worlds.names import noise_scale, split
 from tolman.world import built_in_world
 from tolman.world.errors import WorldError
 from tolman.world.geometry import Plan
@@ -82,5 +80,5 @@ def test_an_imported_map_is_copied_with_its_bitmap_and_opened_at_its_scale(tmp_p
 def test_what_is_no_world_file_is_refused(source: str, tmp_path: Path) -> None:
     write_room(tmp_path)
     (tmp_path / "README.md").write_text("no world")
-    with pytest.raises(UsageError):
+    with pytest.raises(WorldError):
         import_world(str(tmp_path / source), tmp_path / "work")

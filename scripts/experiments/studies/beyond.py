@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..campaign.campaign import Job, Result
-from ..campaign.running import SIDES, seeds
-from ..campaign.summary import markdown_table, summarize
-from ..report.scores import closing
-from ..runs.beyond import DROPS, unknown_start_job
-from ..runs.changes import CHANGES, changed_world_job
-from ..runs.mapping import mapping_job
+from ..campaign.jobs import CHANGES, DROPS, SIDES, mapping_job, seeds, trip_job
+from ..results.scores import cell, closing
+from ..results.summary import markdown_table
 from .study import Asked, Groups, Results, Study, finished
 
 RUNS = 20
@@ -23,6 +20,8 @@ PATTERNED = "symmetric-textured"
 ISLANDS, OBSTACLES = "islands", 4
 """A world with free-standing obstacles, and how many it has."""
 HALF_A_LOOP = 0.5
+Pair = tuple[str, str]
+"""A world, and how the robot is dropped or what is changed."""
 
 
 def _maps(world: str, asked: Asked) -> list[Job]:
@@ -52,94 +51,76 @@ def _mappings(asked: Asked, results: Results) -> Groups:
     return {**maps, ISLANDS: _islands(asked)}
 
 
-def _starts(world: str, drop: str, asked: Asked, results: Results) -> list[Job]:
+def _over_maps(kind: str, world: str, runs: int, asked: Asked, results: Results, **values: str) -> list[Job]:
+    """So many jobs on the maps of a world that got round, in turn."""
     maps = [job for job, result in finished(_maps(world, asked), results) if result["finished"]]
+    first = asked.first_seed
+    return [trip_job(kind, maps[k % len(maps)], first + k, **values) for k in range(runs) if maps]
+
+
+def _starts(asked: Asked, results: Results) -> dict[Pair, list[Job]]:
     runs = asked.runs or RUNS
-    return [unknown_start_job(maps[k % len(maps)], asked.first_seed + k, drop) for k in range(runs) if maps]
-
-
-def _changes(world: str, change: str, asked: Asked, results: Results) -> list[Job]:
-    maps = [job for job, result in finished(_maps(world, asked), results) if result["finished"]]
-    runs = max(1, (asked.runs or RUNS) // 4)
-    return [changed_world_job(maps[k % len(maps)], asked.first_seed + k, change) for k in range(runs) if maps]
-
-
-def _trips(asked: Asked, results: Results) -> Groups:
-    groups: dict[str, list[Job]] = {
-        f"{world}, {drop}": _starts(world, drop, asked, results)
+    return {
+        (world, drop): _over_maps("unknown-start", world, runs, asked, results, drop=drop)
         for world in _start_worlds(asked)
         for drop in DROPS
     }
-    return groups | {
-        f"{world}, {change}": _changes(world, change, asked, results)
+
+
+def _changes(asked: Asked, results: Results) -> dict[Pair, list[Job]]:
+    runs = max(1, (asked.runs or RUNS) // 4)
+    return {
+        (world, change): _over_maps("changed-world", world, runs, asked, results, change=change)
         for world in asked.environments
         for change in CHANGES
     }
 
 
-def _count(found: Sequence[Result], outcome: str) -> str:
-    return str(sum(result["outcome"] == outcome for result in found))
+def _trips(asked: Asked, results: Results) -> Groups:
+    return {
+        ", ".join(pair): jobs for pair, jobs in (_starts(asked, results) | _changes(asked, results)).items()
+    }
+
+
+def _found(jobs: Mapping[Pair, list[Job]], results: Results) -> dict[Pair, list[Result]]:
+    return {pair: [result for _, result in finished(group, results)] for pair, group in jobs.items()}
+
+
+def _counts(found: Sequence[Result], outcomes: Sequence[str]) -> list[str]:
+    return [str(sum(result["outcome"] == outcome for result in found)) for outcome in outcomes]
 
 
 def _unknown_starts(asked: Asked, results: Results) -> str:
     outcomes = ("right", "ambiguous", "not found", "wrong")
-    header = [
-        "world",
-        "dropped",
-        "starts",
-        *outcomes,
-        "share of a loop, mean (worst)",
-        "error (cm), mean (worst)",
-    ]
-    lines, right, total, wrong = [], 0, 0, 0
-    for world in _start_worlds(asked):
-        for drop in DROPS:
-            found = [result for _, result in finished(_starts(world, drop, asked, results), results)]
-            claims = [result for result in found if result["share"] is not None]
-            wrong += sum(result["outcome"] == "wrong" for result in found)
-            if world != AMBIGUOUS:
-                total += len(found)
-                right += sum(
-                    result["outcome"] == "right" and result["share"] <= HALF_A_LOOP for result in found
-                )
-            lines.append(
-                [
-                    world,
-                    drop,
-                    str(len(found)),
-                    *(_count(found, outcome) for outcome in outcomes),
-                    _spread([float(result["share"]) for result in claims]),
-                    _spread([100.0 * float(result["error_m"]) for result in claims]),
-                ]
-            )
+    found = _found(_starts(asked, results), results)
+    lines = []
+    for (world, drop), runs in found.items():
+        claims = [run for run in runs if run["share"] is not None]
+        shares = cell([float(run["share"]) for run in claims])
+        errors = cell([100.0 * float(run["error_m"]) for run in claims])
+        lines.append([world, drop, str(len(runs)), *_counts(runs, outcomes), shares, errors])
+    told_apart = [run for (world, _), runs in found.items() if world != AMBIGUOUS for run in runs]
+    right = sum(run["outcome"] == "right" and run["share"] <= HALF_A_LOOP for run in told_apart)
+    wrong = sum(run["outcome"] == "wrong" for runs in found.values() for run in runs)
     verdict = (
-        f"Right within half a loop: **{right} of {total}** (target 49 of 50); false claims in all: "
+        f"Right within half a loop: **{right} of {len(told_apart)}** (target 49 of 50); false claims in all: "
         f"**{wrong}** (target none in 200). In `{PATTERNED}` views alone tell places apart "
         f"(its maps, and those of `{AMBIGUOUS}`, have local maps); in `{AMBIGUOUS}` "
         "nothing does: *ambiguous* is right there."
     )
-    return f"{verdict}\n\n{markdown_table(header, lines)}"
+    columns = ("share of a loop, mean (worst)", "error (cm), mean (worst)")
+    return f"{verdict}\n\n{markdown_table(['world', 'dropped', 'starts', *outcomes, *columns], lines)}"
 
 
 def _changed_worlds(asked: Asked, results: Results) -> str:
     outcomes = ("arrived", "gave up", "false")
-    header = [
-        "world",
-        "change",
-        "trips",
-        "on the way",
-        *outcomes,
-        "error where it arrived (cm), mean (worst)",
-    ]
     lines = []
-    for world in asked.environments:
-        for change in CHANGES:
-            found = [result for _, result in finished(_changes(world, change, asked, results), results)]
-            there = [100.0 * float(result["error_m"]) for result in found if result["outcome"] == "arrived"]
-            touched = sum(bool(result["touched"]) for result in found)
-            counts = (_count(found, outcome) for outcome in outcomes)
-            lines.append([world, change, str(len(found)), str(touched), *counts, _spread(there)])
-    return markdown_table(header, lines)
+    for (world, change), runs in _found(_changes(asked, results), results).items():
+        errors = cell([100.0 * float(run["error_m"]) for run in runs if run["outcome"] == "arrived"])
+        touched = sum(bool(run["touched"]) for run in runs)
+        lines.append([world, change, str(len(runs)), str(touched), *_counts(runs, outcomes), errors])
+    last = "error where it arrived (cm), mean (worst)"
+    return markdown_table(["world", "change", "trips", "on the way", *outcomes, last], lines)
 
 
 def _free_standing(asked: Asked, results: Results) -> str:
@@ -159,11 +140,6 @@ def _free_standing(asked: Asked, results: Results) -> str:
         for job, result in finished(_islands(asked), results)
     ]
     return markdown_table(header, lines) if lines else "none"
-
-
-def _spread(values: Sequence[float]) -> str:
-    found = summarize(list(values))
-    return "none" if found is None else f"{found.mean:.2f} ({found.greatest:.2f})"
 
 
 def _report(asked: Asked, results: Results) -> str:
@@ -186,22 +162,13 @@ def _report(asked: Asked, results: Results) -> str:
 
 
 def _values(asked: Asked, results: Results) -> Any:
+    def by_name(jobs: Mapping[Pair, list[Job]]) -> dict[str, list[Result]]:
+        return {", ".join(pair): runs for pair, runs in _found(jobs, results).items()}
+
     return {
         "islands": [result for _, result in finished(_islands(asked), results)],
-        "unknown start": {
-            f"{world}, {drop}": [
-                result for _, result in finished(_starts(world, drop, asked, results), results)
-            ]
-            for world in _start_worlds(asked)
-            for drop in DROPS
-        },
-        "changed world": {
-            f"{world}, {change}": [
-                result for _, result in finished(_changes(world, change, asked, results), results)
-            ]
-            for world in asked.environments
-            for change in CHANGES
-        },
+        "unknown start": by_name(_starts(asked, results)),
+        "changed world": by_name(_changes(asked, results)),
     }
 
 

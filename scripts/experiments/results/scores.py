@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from ..campaign.campaign import Result
-from ..campaign.summary import summarize
 from .published import PUBLISHED
+from .summary import markdown_table, summarize
 from .targets import TARGETS
 
 
@@ -20,6 +20,16 @@ class Runs:
     maps: Sequence[Result] = ()
     uncorrected: Sequence[Result] = ()
     corrected: Sequence[Result] = ()
+
+    @property
+    def trips(self) -> list[Result]:
+        """All traversals."""
+        return [*self.uncorrected, *self.corrected]
+
+    @property
+    def collisions(self) -> int:
+        """Ticks in which the shell touched something, in all runs."""
+        return sum(int(run["collisions"]) for run in (*self.maps, *self.trips))
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,12 +47,12 @@ class Score:
         if target is None or target.mean is None:
             return None
         own = target.mean[environment]
-        there = table.figures[self.published].values[environment] if table and self.published else None
+        there = table.figures[self.published][environment] if table and self.published else None
         return own if there is None else own + max(0.0, there - own) / 3.0
 
 
-def _of_maps(name: str, scale: float) -> Callable[[Runs], list[float]]:
-    return lambda runs: [scale * float(run[name]) for run in runs.maps if run["finished"]]
+def _of_maps(name: str) -> Callable[[Runs], list[float]]:
+    return lambda runs: [100.0 * float(run[name]) for run in runs.maps if run["finished"]]
 
 
 def _explored(column: int, scale: float) -> Callable[[Runs], list[float]]:
@@ -54,42 +64,27 @@ def _ends(runs: Sequence[Result]) -> list[float]:
 
 
 _DEGREES = 180.0 / math.pi
+_POSITION, _HEADING, _END = "position error, mean", "heading error, mean", "distance error, mean"
 SCORES = (
+    Score("map error (cm)", _of_maps("position_error_m"), ("4.6", "position error"), _POSITION),
+    Score("after exploring (cm)", _explored(0, 100.0), ("4.5", "position error after exploring"), _POSITION),
     Score(
-        "map error (cm)",
-        _of_maps("position_error_m", 100.0),
-        ("4.6", "position error"),
-        "position error, mean",
-    ),
-    Score(
-        "after exploring (cm)",
-        _explored(0, 100.0),
-        ("4.5", "position error after exploring"),
-        "position error, mean",
-    ),
-    Score(
-        "after exploring (deg)",
-        _explored(1, _DEGREES),
-        ("4.5", "heading error after exploring"),
-        "heading error, mean",
+        "after exploring (deg)", _explored(1, _DEGREES), ("4.5", "heading error after exploring"), _HEADING
     ),
     Score(
         "end, not corrected (cm)",
         lambda runs: _ends(runs.uncorrected),
         ("4.12", "position error at the end"),
-        "distance error, mean",
+        _END,
     ),
     Score(
-        "end, corrected (cm)",
-        lambda runs: _ends(runs.corrected),
-        ("4.15", "position error at the end"),
-        "distance error, mean",
+        "end, corrected (cm)", lambda runs: _ends(runs.corrected), ("4.15", "position error at the end"), _END
     ),
     Score(
         "heading on entry (deg)",
         lambda runs: [_DEGREES * float(turn) for run in runs.corrected for turn in run["headings"]],
         ("4.16", "heading error on local entry"),
-        "heading error, mean",
+        _HEADING,
     ),
 )
 """The figures of targets that mapping and traversals have; lost runs are counted apart."""
@@ -125,7 +120,7 @@ def kept(runs: Runs, environment: int) -> list[str]:
     missed = []
     if any(closing(run) not in ("right", "ambiguous") for run in runs.maps):
         missed.append("loop closing")
-    if any(not run["completed"] for run in (*runs.uncorrected, *runs.corrected)):
+    if any(not run["completed"] for run in runs.trips):
         missed.append("runs lost")
     for score in SCORES:
         limit, values = score.limit(environment), score.values(runs)
@@ -141,12 +136,44 @@ def score_values(runs: Runs) -> dict[str, Any]:
         "closing": [closing(run) for run in runs.maps],
         "completed": [bool(run["completed"]) for run in runs.corrected],
         "completed uncorrected": [bool(run["completed"]) for run in runs.uncorrected],
-        "collisions": sum(int(run["collisions"]) for run in (*runs.maps, *runs.uncorrected, *runs.corrected)),
+        "collisions": runs.collisions,
         "scores": {score.name: score.values(runs) for score in SCORES},
     }
 
 
-def failures(label: str, runs: Runs) -> list[str]:
+def runs_table(
+    first: str,
+    found: Mapping[str, Runs],
+    scores: Sequence[str],
+    columns: Mapping[str, Callable[[str, Runs], str]],
+    left_out: Sequence[tuple[str, str]] = (),
+) -> str:
+    """A Markdown table, a line a name of `found`: how loops were closed, scores, and the study's own columns.
+
+    first: what the names are. left_out: cells (name, score) that would say nothing.
+    """
+    shown = [score for score in SCORES if score.name in scores]
+    header = [first, "closed rightly", *(score.name for score in shown), *columns]
+    lines = [
+        [
+            name,
+            closed(runs.maps),
+            *("" if (name, score.name) in left_out else cell(score.values(runs)) for score in shown),
+            *(column(name, runs) for column in columns.values()),
+        ]
+        for name, runs in found.items()
+    ]
+    return markdown_table(header, lines)
+
+
+def with_failures(parts: Sequence[str], *found: Mapping[str, Runs]) -> str:
+    """The parts of a section, and a list of the runs that did not do what they were to, if there are any."""
+    lost = [line for group in found for name, runs in group.items() for line in _failures(name, runs)]
+    told = ["Runs that did not do all they were to:\n\n" + "\n".join(lost)] if lost else []
+    return "\n\n".join([*parts, *told])
+
+
+def _failures(label: str, runs: Runs) -> list[str]:
     """Lines that say which runs did not do what they were to, and why."""
     lines = [
         f"- {label}, mapping, seed {run['seed']}: {run['reason']} ({closing(run)})"
