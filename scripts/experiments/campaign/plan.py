@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from ...cli.errors import did_you_mean
+from ....files.messages import unknown
 from .campaign import CampaignError, Job, Result
 from .kinds import ENVIRONMENTS, FIRST_SEED, GLOBAL, NEEDS, REFERENCE
 
@@ -60,9 +60,7 @@ def plan_for(
     known = ("all", "smoke", *NEEDS, *others)
     for name in names:
         if name not in known[: 2 + len(NEEDS)]:
-            raise CampaignError(
-                f"unknown experiment {name!r}{did_you_mean(name, known)} ({', '.join(known)})"
-            )
+            raise CampaignError(unknown("experiment", name, known))
     smoke = "smoke" in names
     few, many = (1, 1) if smoke else (20, 50)
     return Plan(

@@ -10,7 +10,7 @@ from importlib import resources
 from importlib.metadata import version
 from importlib.resources.abc import Traversable
 
-_COMPUTING = ("tolman.world", "tolman.maps", "tolman.agent", "tolman.behaviors", "tolman.plugins")
+_COMPUTING = tuple(f"tolman.{floor}" for floor in ("files", "world", "maps", "agent", "behaviors", "plugins"))
 _SCRIPTS = "tolman.scripts"
 _ONLY_HAND_OUT = ("experiments.campaign.", "cli.")
 """How modules are called that a run's own import, and that cannot change what comes of it."""

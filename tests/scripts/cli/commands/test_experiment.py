@@ -60,7 +60,7 @@ def test_an_unknown_experiment_is_refused_before_anything_runs(
     assert execute(["experiment", "table-9", "--work", str(tmp_path / "work")]) == 2
     assert "unknown experiment 'table-9'" in capsys.readouterr().err
     assert execute(["experiment", "shapez", "--work", str(tmp_path / "work")]) == 2
-    assert "did you mean shapes?" in capsys.readouterr().err
+    assert "did you mean 'shapes'?" in capsys.readouterr().err
     assert not (tmp_path / "work").exists()
 
 

@@ -23,7 +23,7 @@ def test_runs_count_for_all_kinds_unless_the_global_ones_are_named() -> None:
 
 
 def test_an_unknown_name_is_refused_with_the_nearest() -> None:
-    with pytest.raises(CampaignError, match=r"did you mean table-4\.1"):
+    with pytest.raises(CampaignError, match=r"did you mean 'table-4\.1"):
         plan_for(["table-4.11"], None, None)
 
 
