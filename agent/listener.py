@@ -77,9 +77,9 @@ class Listener:
     """
 
     def __init__(self, host: Host, on_end: Callable[[Outcome], None] = lambda outcome: None) -> None:
-        """host: the agent. on_end: told the outcome, in the tick in which it is known."""
+        """host: the agent. on_end: told the outcome in the tick in which it is known, but not of a `stop`."""
         self._host = host
-        self._on_end = on_end
+        self.on_end = on_end
         self._subscriptions: list[Subscription] = []
         self._outcome: Outcome | None = None
 
@@ -93,18 +93,19 @@ class Listener:
         self._host.attach(self)
 
     def stop(self, reason: str = "cancelled") -> None:
-        """Ends it with this reason, unless it has ended."""
+        """Ends it with this reason, unless it has ended; `on_end` is not told."""
         if self._outcome is None:
-            self.finish(False, reason=reason)
+            self._host.detach(self)
+            self._outcome = Outcome(False, reason=reason)
 
     def update(self, percept: Percept, context: Context) -> None:
         """Called once a tick while it is attached."""
 
     def finish(self, succeeded: bool, result: Any = None, reason: str = "") -> None:
-        """Sets the outcome and watches no more ticks."""
+        """Sets the outcome, watches no more ticks and tells its owner, last of all."""
         self._host.detach(self)
         self._outcome = outcome = Outcome(succeeded, result, reason)
-        self._on_end(outcome)
+        self.on_end(outcome)
 
     @property
     def outcome(self) -> Outcome | None:

@@ -15,6 +15,7 @@ from .errors import MapError, NoPathError, UnknownNodeError, some
 from .local.local_map import LocalMap
 from .meta import MapMeta
 from .planning import shortest_path
+from .sides import other_side
 from .storage.store import CORNERS, KINDS, read_file, write_file
 
 _NUMBERED = re.compile(r"n?\d+")
@@ -113,7 +114,7 @@ class HybridMap:
         self._check_arc(start, end, key, side, distance, variance, traversals)
         ways = [(start, end, key, side)]
         if both_ways:
-            back = _other(side)
+            back = other_side(side)
             ways.append((end, start, back if key == side else key, back))
         for a, b, arc_key, _ in dict.fromkeys(ways):
             if self.graph.has_edge(a, b, arc_key):
@@ -230,7 +231,7 @@ class HybridMap:
         if distance < 0.0:
             raise MapError(f"arc {start} -> {end} ({kind}): a traversal of {distance} m")
         ways = [(start, end, kind)]
-        back = (end, start, kind if kind == "foray" else _other(kind))
+        back = (end, start, kind if kind == "foray" else other_side(kind))
         if both_ways and back != ways[0] and self.graph.has_edge(*back):
             ways.append(back)
         for way in ways:
@@ -304,10 +305,6 @@ class HybridMap:
         for other, data in self.graph.nodes(data=True):
             if other != node and data["name"] == name:
                 raise MapError(f"the name {name!r} is taken by node {other}")
-
-
-def _other(side: str) -> str:
-    return "left" if side == "right" else "right"
 
 
 def _finite(where: str, **values: float) -> None:

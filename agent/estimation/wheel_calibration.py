@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Self
 from ...world.robot import wrap_angle
 from ..boundary.trace import BEND
 from ..events import CornerReached, WallMet
+from ..listener import Host, Listener
 from .odometry import MISMATCH
 
 if TYPE_CHECKING:
-    from ..agent import Agent
     from .odometry import PathIntegrator
 
 SETTLED = 0.03
@@ -77,23 +77,23 @@ def is_even(event: CornerReached) -> bool:
     return event.kind != BEND and event.max_heading_change < _CROOKED
 
 
-class MismatchLearner:
+class MismatchLearner(Listener):
     """Learns the wheels' mismatch from every straight wall that is followed, and has odometry use it."""
 
-    def __init__(self, agent: Agent, estimate: MismatchEstimate | None = None) -> None:
-        """Subscribes to what the wall follower tells of walls. estimate: None: begins at odometry's."""
-        self.estimate = estimate if estimate is not None else MismatchEstimate.of(agent.odometry)
-        self._agent = agent
+    def __init__(
+        self,
+        host: Host,
+        odometry: PathIntegrator,
+        track: float,
+        estimate: MismatchEstimate | None = None,
+    ) -> None:
+        """Hears what the wall follower tells of walls. track: m. estimate: None: begins at odometry's."""
+        super().__init__(host)
+        self.estimate = estimate if estimate is not None else MismatchEstimate.of(odometry)
+        self._odometry, self._track = odometry, track
         self._wall: WallMet | None = None
-        self._subscriptions = [
-            agent.bus.subscribe(WallMet, self._on_wall),
-            agent.bus.subscribe(CornerReached, self._on_corner),
-        ]
-
-    def close(self) -> None:
-        """Learns no more."""
-        for subscription in self._subscriptions:
-            subscription.cancel()
+        self.listen(WallMet, self._on_wall)
+        self.listen(CornerReached, self._on_corner)
 
     def _on_wall(self, event: WallMet) -> None:
         self._wall = event
@@ -103,9 +103,6 @@ class MismatchLearner:
         if wall is None or not is_even(event):
             return
         turned = wrap_angle(event.heading - wall.heading)
-        self.estimate.straight(
-            self._agent.robot.geometry.track,
-            turned,
-            event.path_length - wall.path_length - event.unobserved_length,
-        )
-        self.estimate.apply(self._agent.odometry)
+        length = event.path_length - wall.path_length - event.unobserved_length
+        self.estimate.straight(self._track, turned, length)
+        self.estimate.apply(self._odometry)

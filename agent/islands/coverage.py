@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ...maps.errors import NoPathError
 from ...world.robot import Pose, wrap_angle
 from ..goals import Crossing
+from ..walls import WALL_DISTANCE
 from .outlines import Chord, Mark, Outline, Point, Sweep, first_hit, outlines, uncovered
 
 if TYPE_CHECKING:
@@ -297,7 +298,7 @@ def _link(
     distance, mark = hit
     met = known[target]
     length, wall = met.length(mark.edge), wrap_angle(met.direction(mark.edge) - heading)
-    margin = min(mark.along, length - mark.along) - 0.057
+    margin = min(mark.along, length - mark.along) - WALL_DISTANCE
     lack = max(0.0, 0.03 + 0.05 * distance - margin)
     slant = 1.0 - abs(math.sin(wall))
     end = met.nodes[(mark.edge + 1) % len(met.nodes)]

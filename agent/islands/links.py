@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ...maps.errors import NoPathError
 from ..goals import Crossing
 from ..mapping.base import ArcKey
-from ..navigation.corners import CROSSING
+from ..navigation.legs import CROSSING
 from .coverage import best_link
 from .outlines import Outline
 

@@ -20,13 +20,14 @@ from ...maps.boundary.layout import PLACE
 from ...world.robot import Percept, Pose, wrap_angle
 from ..boundary.trace import BEND
 from ..events import CornerReached, Localized, LoopClosed, Lost, NodePassed, NodeReached
-from ..goals import Crossing, Follow, FollowFrom
-from ..listener import Listener
+from ..goals import Follow
+from ..listener import Listener, Outcome
 from ..localization.localizer import Localizer
 from ..mapping.base import ArcKey, MapSink
 from ..mapping.corners import Mapper, MappingConfig
-from ..navigation.corners import ONWARD, Navigator
-from ..navigation.crossing import ForayDrive, Stage
+from ..navigation.corners import Navigator
+from ..navigation.crossing import CrossingDrive, Stage
+from ..walls import START_AT
 from .coverage import ScoutConfig, Scouting, node_at, nodes_near, pose_at
 from .links import arcs_into, is_same, leads, link_islands, take_back, unproven_link
 from .outlines import Chord, Outline, outline_from
@@ -89,7 +90,7 @@ class IslandMapper(Listener):
         self.mapper = Mapper(agent, hybrid_map, self, config, self._take_corner)
         self._mismatch = self.mapper.mismatch
         self._navigator: Navigator | None = None
-        self._drive = ForayDrive(agent, self.side, self._on_done, self._on_landed)
+        self._drive = CrossingDrive(agent, self.side, self._on_crossed, self._on_landed)
         self._scouting: Scouting | None = None
         self._node = -1
         self._chord: Chord | None = None
@@ -268,7 +269,7 @@ class IslandMapper(Listener):
     def _navigator_at(self, node: int) -> Navigator:
         if self._navigator is None:
             self._navigator = Navigator(self.agent, self.map, node, self.side, learn_mismatch=False)
-        self._navigator.node, self._navigator.arrival = node, self.side
+        self._navigator.stand_at(node, self.side)
         return self._navigator
 
     def _go_to(self, node: int) -> None:
@@ -285,7 +286,7 @@ class IslandMapper(Listener):
             self._doing = Doing.FORAY
             self.forays += 1
             data = self.map.graph.nodes[event.node]
-            start = ONWARD[data["corner"]]
+            start = START_AT[data["corner"]]
             crossing, pose = self._scouting.crossing(self._known(), self._chord)
             self._drive.begin(crossing, start, data["turn"] or None, pose=pose, most=_FARTHEST)
 
@@ -328,12 +329,12 @@ class IslandMapper(Listener):
             self._corner = replace(corner, heading=pose.heading)
             self._anchored = odometry.travelled
 
-    def _on_done(self, driven: Crossing | None, corner: CornerReached | None, reason: str) -> None:
-        """At the corner after a wall that should be known, or the foray failed."""
-        assert self._scouting is not None
-        if driven is None or corner is None:
+    def _on_crossed(self, outcome: Outcome) -> None:
+        """At the corner after a wall that should be known, or the crossing failed."""
+        if not outcome.succeeded:
             self._find_wall()
             return
+        _, corner = outcome.result
         self._on_corner(corner)
         node = self._node_at(corner)
         if node is not None:
@@ -344,8 +345,7 @@ class IslandMapper(Listener):
             self._localize()
             return
         self._begin_island()
-        start = FollowFrom.CONVEX if corner.kind == "convex" else FollowFrom.CONCAVE
-        self.agent.start("wall-following", Follow(self.side, start, corner.turn))
+        self.agent.start("wall-following", Follow(self.side, START_AT[corner.kind], corner.turn))
 
     # --- islands --------------------------------------------------------------------------------------
 
@@ -471,7 +471,7 @@ class IslandMapper(Listener):
         self._doing, self._finding = Doing.LOST, False
         self._drive.stop()
         self._localizer = Localizer(self.agent, self.map)
-        self._localizer.begin()
+        self._localizer.start()
 
     def _on_localized(self, event: Localized) -> None:
         if self._doing is Doing.LOST:

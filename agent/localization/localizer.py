@@ -1,23 +1,24 @@
 """Finds out where on a mapped boundary the robot is, when it was not told.
 
 The robot follows the wall by the side the map was made with. Every corner it meets, every length between two
-of them and every turn speaks for some places of the map and against others (`boundary_filter`). Where these
-cannot decide it looks around at the corner, if the map has views that could (`node_views`). It claims a place
+of them and every turn speaks for some places of the map and against others (`corner_filter`). Where these
+cannot decide it looks around at the corner, if the map has views that could (`views`). It claims a place
 only when that one alone explains what was met; in a room that looks the same from several places never.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from typing import TYPE_CHECKING, Any
 
 from ...world.robot import wrap_angle
 from ..boundary.trace import BEND
 from ..events import BehaviorFinished, CornerReached, Localized, Lost, WallMet
 from ..goals import Follow, LookAround
+from ..listener import Listener, Outcome
 from ..maneuvers import Foray
-from ..navigation.corners import ONWARD
+from ..walls import START_AT
 from .corner_filter import BoundaryFilter, LocalizationConfig
 from .views import NodeViews
 
@@ -33,11 +34,11 @@ _AWAY = 0.4 * math.pi
 """Radians to turn from a wall to leave it: not quite across, as the wall beyond a corner may be near."""
 
 
-class Localizer:
-    """Drives along the boundary until it knows where it is. `done` then; `node` is None if it never knew.
+class Localizer(Listener):
+    """Drives along the boundary until it knows where it is: its result, the node.
 
-    reason: why it ended: "localized", "ambiguous: ..." or what went wrong. length: m of boundary followed.
-    On an obstacle that is not on the map, or tells nothing, it leaves by a foray for another wall.
+    Its reason: "localized", "ambiguous: ..." or what went wrong. length: m of boundary followed. On an
+    obstacle that is not on the map, or tells nothing, it crosses open space to another wall.
     """
 
     def __init__(
@@ -46,34 +47,36 @@ class Localizer:
         hybrid_map: HybridMap,
         config: LocalizationConfig = LocalizationConfig(),  # noqa: B008  frozen
         near: Collection[int] = (),
+        on_end: Callable[[Outcome], None] = lambda outcome: None,
     ) -> None:
-        """Subscribes to the agent's events; `begin` starts the drive. near: as for `BoundaryFilter`."""
+        """Listens to the agent's events; `start` starts the drive. near: as for `BoundaryFilter`."""
+        super().__init__(agent, on_end)
         self.agent = agent
         self.side = hybrid_map.meta.side
         self.filter = BoundaryFilter(hybrid_map, config, near)
-        self.done = False
-        self.node: int | None = None
-        self.reason = ""
         self._before = 0.0
-        self._forays = 0
+        self._crossings = 0
         self._turned = self._bent = 0.0
         self._leaving = self._looking = False
         self._corner: CornerReached | None = None
         self._views = NodeViews(hybrid_map, agent.robot.geometry.camera_field_of_view)
-        self._subscriptions = [
-            agent.bus.subscribe(CornerReached, self._on_corner),
-            agent.bus.subscribe(WallMet, self._on_wall),
-            agent.bus.subscribe(BehaviorFinished, self._on_finished),
-        ]
+        self.listen(CornerReached, self._on_corner)
+        self.listen(WallMet, self._on_wall)
+        self.listen(BehaviorFinished, self._on_finished)
+
+    @property
+    def node(self) -> int | None:
+        """Where it is; None if it never knew, or does not know yet."""
+        return None if self.outcome is None else self.outcome.result
 
     @property
     def length(self) -> float:
         """Meters of boundary followed, all in all."""
         return self._before + self.filter.length
 
-    def begin(self) -> None:
+    def start(self) -> None:
         """Looks for a wall and follows it."""
-        self.agent.attach(self)
+        super().start()
         self._follow()
 
     def _follow(self) -> None:
@@ -81,10 +84,11 @@ class Localizer:
         self._leaving = self._looking = False
         self.agent.start("wall-following", Follow(self.side))
 
-    def cancel(self) -> None:
+    def stop(self, reason: str = "cancelled") -> None:
         """Stops where the robot is, without having found out."""
         if not self.done:
-            self._close("cancelled")
+            self._halt()
+            super().stop(reason)
 
     def update(self, percept: Percept, context: Context) -> None:
         """Watches for a boundary that is none of the map's: it turns the other way, or has no corners."""
@@ -122,23 +126,23 @@ class Localizer:
         """Ends if it knows where it is, or will not; else it drives on."""
         claim = self.filter.claim
         if claim is not None:
-            self.node = claim
             self.agent.bus.publish(Localized(time=self.agent.context.time, node=claim))
-            self._end("localized")
+            self._halt()
+            self.finish(True, claim, "localized")
         elif self.filter.length > self.filter.config.loops * self.filter.boundary_length:
             rivals = ", ".join(map(str, self.filter.rivals))
             reason = f"ambiguous: cannot tell nodes {rivals} apart"
             if self.filter.boundaries > 1:
                 self._leave(reason)
             else:
-                self._end(reason)
+                self._lose(reason)
 
     def _leave(self, reason: str) -> None:
         """Straight away from the wall it follows, to another one; a few times, then it gives up."""
-        if self._forays >= self.filter.config.forays:
-            self._end(reason)
+        if self._crossings >= self.filter.config.forays:
+            self._lose(reason)
             return
-        self._forays += 1
+        self._crossings += 1
         self._leaving = True
         self._before += self.filter.length
         self.filter.restart()
@@ -159,16 +163,13 @@ class Localizer:
             self.filter.seen(self._views.against(panorama, self.filter.likely))
         self._judge()
         if not self.done and not self._leaving and self._corner is not None:
-            self.agent.start("wall-following", Follow(self.side, ONWARD[self._corner.kind]))
+            self.agent.start("wall-following", Follow(self.side, START_AT[self._corner.kind]))
 
-    def _end(self, reason: str) -> None:
-        self._close(reason)
-        if self.node is None:
-            self.agent.bus.publish(Lost(time=self.agent.context.time, reason=reason))
+    def _lose(self, reason: str) -> None:
+        self._halt()
+        self.agent.bus.publish(Lost(time=self.agent.context.time, reason=reason))
+        self.finish(False, reason=reason)
 
-    def _close(self, reason: str) -> None:
-        self.done, self.reason = True, reason
+    def _halt(self) -> None:
         self.agent.stop("look-around" if self._looking else "wall-following")
-        for subscription in self._subscriptions:
-            subscription.cancel()
-        self.agent.detach(self)
+        self.close()

@@ -12,6 +12,7 @@ from dataclasses import asdict, dataclass, field, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
+from ...maps.sides import other_side
 from ...world.robot import wrap_angle
 from ..boundary.loop_closing import CornerObservation, Finding, LoopDetector
 from ..boundary.trace import BEND, BoundaryTrace, ClosingConfig
@@ -20,13 +21,13 @@ from ..estimation.wheel_calibration import SETTLED, MismatchEstimate
 from ..events import BehaviorFinished, CornerReached, LoopClosed, WallMet
 from ..goals import ExploreLocally, Follow, FollowFrom, GoAlong, Leg, ReacquireCorner
 from ..local_goals import walls_at
+from ..walls import START_AT, WALL_DISTANCE
 from .base import BaseMapper, MapSink, NodeSettings
 
 if TYPE_CHECKING:
     from ...maps.hybrid_map import HybridMap
     from ..agent import Agent
 
-_START_AT = {"concave": FollowFrom.CONCAVE, "convex": FollowFrom.CONVEX, BEND: FollowFrom.WALL}
 _NAMED = {"concave": "concave", "convex": "convex", BEND: "none"}
 """What the map calls a node's corner."""
 _LEAST_PROBE, _MOST_PROBE = 0.25, 0.6
@@ -56,7 +57,7 @@ class MappingConfig(NodeSettings):
     """
 
     most_rounds: float = 3.0
-    wall_distance: float = 0.057
+    wall_distance: float = WALL_DISTANCE
     learn_mismatch: bool = True
     come_back: bool = True
     bend_gate: float = 0.08
@@ -239,8 +240,7 @@ class Mapper(BaseMapper):
         self.agent.stop("wall-following")
         self.phase, self._probed = Phase.PROBE, event
         length = min(event.path_length - SETTLED, _MOST_PROBE)
-        other = "left" if self.config.side == "right" else "right"
-        there = Leg(-1, -1, other, length, "none", math.pi, FollowFrom.WALL)
+        there = Leg(-1, -1, other_side(self.config.side), length, "none", math.pi, FollowFrom.WALL)
         back = Leg(-1, -1, self.config.side, length, "none", math.pi, FollowFrom.WALL)
         self.agent.start("go-to-node", GoAlong((there, back)))
 
@@ -306,7 +306,7 @@ class Mapper(BaseMapper):
         """Follows the wall from the corner the robot stands at."""
         assert self._corner is not None
         self.meter.leave()
-        start = _START_AT[self._corner.kind]
+        start = START_AT[self._corner.kind]
         self.agent.start("wall-following", Follow(self.config.side, start, self._corner.turn))
 
     def _admit(self, rejected: tuple[CornerObservation, ...]) -> None:

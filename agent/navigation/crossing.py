@@ -1,4 +1,4 @@
-"""One foray from node to node: along a wall, straight across open space, along the wall met to its corner."""
+"""Crossings from node to node: along a wall, straight across open space, along the next to its corner."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from ...world.robot import Pose, wrap_angle
 from ..boundary.trace import BEND
 from ..events import BehaviorFinished, CornerReached, WallMet
 from ..goals import Crossing, Follow, FollowFrom
+from ..listener import Listener, Outcome
 from ..maneuvers import Foray
 
 if TYPE_CHECKING:
@@ -19,8 +20,8 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class ForayGates:
-    """How far a foray may be from what was expected and still be the same.
+class CrossingGates:
+    """How far a crossing may be from what was expected and still be the same.
 
     distance, join: m, each plus slope x the distance across. wall: rad.
     """
@@ -44,7 +45,7 @@ class ForayGates:
 
 
 class Stage(Enum):
-    """What a foray is doing."""
+    """What a crossing is doing."""
 
     IDLE = "idle"
     ALONG = "along the wall"
@@ -52,40 +53,34 @@ class Stage(Enum):
     JOIN = "along the wall met"
 
 
-class ForayDrive:
-    """Drives forays, one at a time, by the behaviors `wall-following` and `foray`.
+class CrossingDrive(Listener):
+    """Drives crossings, one at a time, by the behaviors `wall-following` and `foray`.
 
-    on_landed: called with the distance driven across (m) when a wall is met; the robot then follows it by
-    itself. on_done: called with what was driven and the corner reached, or None and why it failed.
+    One that succeeds has as its result what was driven, a `Crossing`, and the `CornerReached` at its end.
+    on_landed: called with the distance driven across (m) when a wall is met; the robot then follows it.
     """
 
     def __init__(
         self,
         agent: Agent,
         side: str,
-        on_done: Callable[[Crossing | None, CornerReached | None, str], None],
+        on_end: Callable[[Outcome], None],
         on_landed: Callable[[float], None] = lambda distance: None,
     ) -> None:
         """side: of the wall that is followed before and after."""
+        super().__init__(agent, on_end)
         self.agent, self.side = agent, side
         self.stage = Stage.IDLE
-        self._on_done, self._on_landed = on_done, on_landed
+        self._on_landed = on_landed
         self._goal = Crossing(0.0, 0.0, 0.0, 0.0, 0.0)
         self._pose: Pose | None = None
         self._distance = self._most = self._bent = 0.0
         self._heading = 0.0
         self._wall: float | None = None
         self._since = -math.inf
-        self._subscriptions = [
-            agent.bus.subscribe(BehaviorFinished, self._on_finished),
-            agent.bus.subscribe(WallMet, self._on_wall),
-            agent.bus.subscribe(CornerReached, self._on_corner),
-        ]
-
-    def close(self) -> None:
-        """Hears no more."""
-        for subscription in self._subscriptions:
-            subscription.cancel()
+        self.listen(BehaviorFinished, self._on_finished)
+        self.listen(WallMet, self._on_wall)
+        self.listen(CornerReached, self._on_corner)
 
     def begin(
         self,
@@ -103,6 +98,7 @@ class ForayDrive:
         path integration starts afresh from there. most: m across until it gives up; None is a little more
         than expected.
         """
+        self.start()
         self._goal, self._pose, self._wall = goal, pose, None
         self._most = 1.15 * goal.distance + 0.15 if most is None else most
         self._since = self.agent.context.time
@@ -114,29 +110,33 @@ class ForayDrive:
 
     def cross(self, turn: float, most: float) -> None:
         """Sets out across from where the robot stands. turn: from its own heading (rad). most: m."""
+        self.start()
         self._goal, self._pose, self._wall = Crossing(0.0, turn, most, 0.0, 0.0), None, None
         self._most, self._since = most, self.agent.context.time
         self._cross(0.0)
 
     def join(self) -> None:
         """Only the last part: looks for a wall ahead and follows it to its corner."""
+        self.start()
+        self._join()
+
+    def _join(self) -> None:
         self.stage, self._wall, self._bent = Stage.JOIN, None, 0.0
         self._since = self.agent.context.time
         self.agent.start("wall-following", Follow(self.side))
 
-    @property
-    def heading(self) -> float:
-        """Heading (rad, path-integrated) of the way across."""
-        return self._heading
-
     def release(self) -> None:
-        """Ends it without a word; the robot goes on along the wall it has met."""
+        """Ends it; the robot goes on along the wall it has met."""
+        super().stop("released")
         self.stage = Stage.IDLE
 
-    def stop(self) -> None:
-        """Ends it without a word, and stops, if it is under way."""
-        if self.stage is Stage.IDLE:
-            return
+    def stop(self, reason: str = "cancelled") -> None:
+        """Ends it where the robot is, if it is under way."""
+        if self.stage is not Stage.IDLE:
+            super().stop(reason)
+            self._halt()
+
+    def _halt(self) -> None:
         self.stage = Stage.IDLE
         for name in ("wall-following", "foray"):
             self.agent.stop(name)
@@ -158,7 +158,7 @@ class ForayDrive:
             if not event.succeeded:
                 self._fail(event.reason)
                 return
-            self.join()
+            self._join()
             self._on_landed(self._distance)
 
     def _on_wall(self, event: WallMet) -> None:
@@ -167,7 +167,7 @@ class ForayDrive:
 
     def _on_corner(self, event: CornerReached) -> None:
         if event.time <= self._since:
-            return  # of what was driven before: whoever began this foray heard it first
+            return  # of what was driven before: whoever began this crossing heard it first
         if self.stage is Stage.ALONG and event.kind != BEND:
             self._fail(f"met a {event.kind} corner before {self._goal.offset:.2f} m")
         elif self.stage is Stage.JOIN and event.kind == BEND:
@@ -183,8 +183,8 @@ class ForayDrive:
                 wrap_angle(wall - self._heading),
                 self._bent + event.path_length,
             )
-            self._on_done(driven, event, "")
+            self.finish(True, (driven, event))
 
     def _fail(self, reason: str) -> None:
-        self.stop()
-        self._on_done(None, None, reason)
+        self._halt()
+        self.finish(False, reason=reason)

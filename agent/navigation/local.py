@@ -12,17 +12,16 @@ from ..estimation.landmarks import VANTAGE_POINT
 from ..estimation.local_filter import LocalPose
 from ..events import BehaviorFinished
 from ..goals import DrivePath, PlacesDriven
+from ..listener import Listener
 from ..local_goals import DrivePathWithLandmarks, PlacesByWalls, walls_at
+from ..walls import WALL_DISTANCE
 
 if TYPE_CHECKING:
     from ...maps.hybrid_map import HybridMap
     from ..agent import Agent
 
-_WALL_DISTANCE = 0.057
-"""Meters from the walls at which corners are nodes, as in `agent.mapping.MappingConfig`."""
 
-
-class LocalNavigator:
+class LocalNavigator(Listener):
     """Takes the robot through a node's local map, from unit to unit of its metric SOM, by `local-go-to`.
 
     pose: where it holds the robot to be in the local frame; it begins in the transition pose. An edge on
@@ -35,6 +34,7 @@ class LocalNavigator:
         local_map = hybrid_map.local_map(node)
         if local_map is None:
             raise MapError(f"node {node} has no local map to navigate in")
+        super().__init__(agent)
         self.agent = agent
         self.local_map = local_map
         self._square = is_square(hybrid_map)
@@ -42,36 +42,34 @@ class LocalNavigator:
         self._side = hybrid_map.meta.side
         self._landmarks = landmarks
         self.begin()
-        agent.bus.subscribe(BehaviorFinished, self._on_finished)
+        self.listen(BehaviorFinished, self._on_finished)
 
     def begin(self) -> None:
         """The robot stands in the transition pose (again)."""
         self.pose = Pose()
         self.unit = self.local_map.nearest_unit(0.0, 0.0)
-        self.done = True
-        self.reached = False
-        self.reason = ""
+        self.stop()
         self._units: list[int] = []
         self._ahead: list[int] = []
         self._homeward = False
         self._belief = LocalPose(square=self._square, drift_rate=self.agent.odometry.drift_rate)
         if self._landmarks:
-            walls = walls_at(self._side, self._corner, square=self._square, distance=_WALL_DISTANCE)
+            walls = walls_at(self._side, self._corner, square=self._square, distance=WALL_DISTANCE)
             self._belief.know_corner(self._corner, walls if self._corner != "none" else ())
 
     def go(self, unit: int) -> None:
         """Sets out for a unit of the metric SOM, by A* over the edges not known to be blocked."""
-        lookouts = self._lookouts() if self._belief.doubtful else {}
+        points = self._vantage_points() if self._belief.doubtful else {}
         here = (self._belief.x, self._belief.y)
-        nearest = min(lookouts, key=lambda unit: math.dist(lookouts[unit], here), default=None)
+        nearest = min(points, key=lambda unit: math.dist(points[unit], here), default=None)
         self._set_out([unit] if nearest is None else [nearest, unit], homeward=False)
 
     def home(self) -> None:
         """Sets out for the node itself, to end in the transition pose."""
         home = self.local_map.nearest_unit(0.0, 0.0)
-        self._set_out([*(unit for unit in self._lookouts() if unit != home), home], homeward=True)
+        self._set_out([*(unit for unit in self._vantage_points() if unit != home), home], homeward=True)
 
-    def _lookouts(self) -> dict[int, tuple[float, float]]:
+    def _vantage_points(self) -> dict[int, tuple[float, float]]:
         """Places (m) from where walls of two directions can be seen, by unit; the nearest last."""
         found = {}
         for mark in self._belief.lookouts() if self._landmarks else ():
@@ -81,12 +79,12 @@ class LocalNavigator:
         return found
 
     def _set_out(self, goals: list[int], *, homeward: bool) -> None:
-        self.done = self.reached = False
+        self.start()
         self._ahead, self._homeward = goals, homeward
         self._plan()
 
     def _plan(self) -> None:
-        """Starts the drive to the next goal; a lookout that cannot be reached is left out."""
+        """Starts the drive to the next goal; a vantage point that cannot be reached is left out."""
         goal = self._ahead[0]
         try:
             path = self.local_map.path(self.unit, goal)
@@ -95,18 +93,18 @@ class LocalNavigator:
                 self._ahead.pop(0)
                 self._plan()
             else:
-                self._end(False, str(error))
+                self.finish(False, reason=str(error))
             return
         self._units = list(path)
         places = [self.local_map.position(unit) for unit in path]
-        lookouts = self._lookouts()
+        points = self._vantage_points()
         last = len(self._ahead) == 1
         home = last and self._homeward
-        fix = not last or (home and goal in lookouts)
+        fix = not last or (home and goal in points)
         if home:
             places.append((0.0, 0.0))
-        elif fix and goal in lookouts:
-            places.append(lookouts[goal])
+        elif fix and goal in points:
+            places.append(points[goal])
         start = (self.pose.x, self.pose.y, self.pose.heading)
         heading = 0.0 if home else None
         ask: DrivePath | DrivePathWithLandmarks = DrivePath(tuple(places), start, heading)
@@ -131,7 +129,7 @@ class LocalNavigator:
             if self._ahead:
                 self._plan()
             else:
-                self._end(True, event.reason)
+                self.finish(True, self.unit, event.reason)
             return
         before = self._units[reached - 1] if reached else self.unit
         if reached < len(self._units) and self._units[reached] != before:
@@ -139,10 +137,12 @@ class LocalNavigator:
             self.local_map.block(before, self._units[reached])
             self._plan()
         else:
-            self._end(False, event.reason)
+            self.finish(False, reason=event.reason)
 
-    def _end(self, reached: bool, reason: str) -> None:
-        self.done, self.reached, self.reason = True, reached, reason
+    @property
+    def reached(self) -> bool:
+        """Whether the last trip ended at its goal."""
+        return self.outcome is not None and self.outcome.succeeded
 
 
 def is_square(hybrid_map: HybridMap) -> bool:

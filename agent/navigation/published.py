@@ -9,15 +9,15 @@ What the thesis leaves open is settled in decision record 061.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
-from ...maps.errors import MapError
 from ...world.robot import Percept, Pose
-from ..events import BehaviorFinished, Lost, NodePassed, NodeReached
+from ..events import BehaviorFinished
 from ..goals import DrivePath, Follow, Leg, LegDriven, LookAround, PlacesDriven
+from .base import BaseNavigator
 
 if TYPE_CHECKING:
     from ...maps.hybrid_map import Arc, HybridMap
@@ -58,12 +58,14 @@ class Correction:
     distance: float
 
 
-class ThesisNavigator:
-    """Takes the robot from node to node of a map, as `navigation.Navigator` does, by the published method.
+class ThesisNavigator(BaseNavigator):
+    """Takes the robot from node to node of a map by the published method.
 
     on_arrival, on_corrected: called when an arc's distance is over, and when the position was corrected there
     and the robot holds to be in the transition pose.
     """
+
+    behaviors = ("reactive-wall-following", "look-around", "local-go-to")
 
     def __init__(
         self,
@@ -73,19 +75,10 @@ class ThesisNavigator:
         arrival: str | None = None,
         config: ThesisNavigationConfig = ThesisNavigationConfig(),
     ) -> None:
-        """arrival: the side by which it came; None means that the robot stands in the transition pose."""
-        self.agent = agent
-        self.map = hybrid_map
+        """arrival: as in the base."""
+        super().__init__(agent, hybrid_map, node, arrival)
         self.config = config
-        self.node = node
-        self.facing = arrival or hybrid_map.meta.side
-        self.legs: list[LegDriven] = []
-        self.planned: tuple[Leg, ...] = ()
-        self.path: list[int] = [node]
         self.corrections: list[Correction] = []
-        self.done = False
-        self.reached = False
-        self.reason = ""
         self.on_arrival: Callable[[int], None] = lambda node: None
         self.on_corrected: Callable[[Correction], None] = lambda correction: None
         self._phase = Driving.IDLE
@@ -93,59 +86,20 @@ class ThesisNavigator:
         self._from = Pose()
         self._begun = 0.0
         self._face = True
-        agent.attach(self)
-        self._subscription = agent.bus.subscribe(BehaviorFinished, self._on_finished)
+        self.listen(BehaviorFinished, self._on_finished)
 
-    @property
-    def arrival(self) -> str:
-        """The side along which the robot holds to be pointing."""
-        return self.facing
-
-    def go(self, goal: int) -> None:
-        """Sets out for a node by the shortest way; the robot ends in its transition pose."""
-        try:
-            arcs = self.map.path(self.node, goal)
-        except MapError as error:
-            self._end(False, str(error))
-            return
-        self.drive(arcs)
-
-    def drive(self, arcs: Sequence[Arc], face: bool = True) -> None:
+    def drive(self, arcs: Iterable[Arc], face: bool = True) -> None:
         """Sets out along these arcs. face: whether to end in the transition pose (else as it arrives)."""
-        self.done = self.reached = False
-        self.reason, self.legs, self._face = "", [], face
-        self._arcs = list(arcs)
-        self.planned = tuple(Leg(arc.start, arc.end, arc.side, arc.distance, "none") for arc in arcs)
-        self.path = [self.node, *(arc.end for arc in arcs)]
+        self._arcs, self._face = list(arcs), face
+        self._set_out(tuple(Leg(arc.start, arc.end, arc.side, arc.distance, "none") for arc in self._arcs))
         self._next()
-
-    @property
-    def failed(self) -> Leg | None:
-        """The published method does not know on which arc it failed."""
-        return None
-
-    def cancel(self) -> None:
-        """Stops where the robot is; `node` is then the last one it was told of, not where it stands."""
-        if self._phase is not Driving.IDLE:
-            self._end(False, "cancelled")
-            for name in ("reactive-wall-following", "look-around", "local-go-to"):
-                self.agent.stop(name)
-
-    def stand_at(self, node: int, arrival: str | None = None) -> None:
-        """Tells where the robot is. arrival: as in the constructor."""
-        self.node, self.facing = node, arrival or self.map.meta.side
-
-    def close(self) -> None:
-        """Hears no more: for a map that is put away."""
-        self._subscription.cancel()
-        self.agent.detach(self)
 
     # --- the arcs, one after the other ---------------------------------------------------------------
 
     def _next(self) -> None:
         if not self._arcs:
             self._take_pose()
-        elif self._arcs[0].side != self.facing:
+        elif self._arcs[0].side != self.arrival:
             self._turn_around(Driving.TURN)
         else:
             self._follow()
@@ -156,35 +110,34 @@ class ThesisNavigator:
 
     def _follow(self) -> None:
         arc = self._arcs[0]
-        self._phase, self.facing = Driving.FOLLOW, arc.side
+        self._phase, self.arrival = Driving.FOLLOW, arc.side
         self._from, self._begun = self.agent.odometry.pose, self.agent.odometry.travelled
         self.agent.start("reactive-wall-following", Follow(arc.side))
 
     def update(self, percept: Percept, context: Context) -> None:
         """Watches the distance from where the arc began. Called by the agent once a tick."""
-        if self._phase is not Driving.FOLLOW:
+        if self._phase is not Driving.FOLLOW or self.done:
             return
         arc = self._arcs[0]
         if context.pose.distance_to(self._from) >= arc.distance:
-            self._arrive(arc)
+            self._end_arc(arc)
         elif self.agent.odometry.travelled - self._begun > (
             self.config.longest * arc.distance + self.config.spare
         ):
-            self._give_up(f"never {arc.distance:.2f} m away from node {arc.start} on the way to {arc.end}")
+            self.agent.stop("reactive-wall-following")
+            self._lose(f"never {arc.distance:.2f} m away from node {arc.start} on the way to {arc.end}")
 
-    def _arrive(self, arc: Arc) -> None:
+    def _end_arc(self, arc: Arc) -> None:
         self.agent.stop("reactive-wall-following")
         self._arcs.pop(0)
-        self.node = arc.end
         length = self.agent.odometry.travelled - self._begun
-        self.legs.append(LegDriven(arc.start, arc.end, arc.side, length, False))
-        self.agent.bus.publish(NodePassed(time=self.agent.context.time, node=arc.end))
+        self._passed(LegDriven(arc.start, arc.end, arc.side, length, False))
         self.on_arrival(arc.end)
         local_map = self.map.local_map(arc.end)
         if self.config.correct and local_map is not None and local_map.perceptual is not None:
             self._phase = Driving.LOOK
-            turn = 0.0 if self.facing == self.map.meta.side else math.pi
-            self.facing = self.map.meta.side
+            turn = 0.0 if self.arrival == self.map.meta.side else math.pi
+            self.arrival = self.map.meta.side
             self.agent.start("look-around", LookAround(turn))
         else:
             self._next()
@@ -200,25 +153,21 @@ class ThesisNavigator:
         self.agent.start("local-go-to", DrivePath(((0.0, 0.0),), (x, y, 0.0), 0.0))
 
     def _take_pose(self) -> None:
-        if self._face and self.facing != self.map.meta.side:
-            self.facing = self.map.meta.side
+        if self._face and self.arrival != self.map.meta.side:
+            self.arrival = self.map.meta.side
             self._turn_around(Driving.FACE)
         else:
-            self._arrived()
-
-    def _arrived(self) -> None:
-        self.agent.bus.publish(NodeReached(time=self.agent.context.time, node=self.node))
-        self._end(True, "arrived")
+            self._arrive("arrived")
 
     def _on_finished(self, event: BehaviorFinished) -> None:
-        phase = self._phase
+        phase = Driving.IDLE if self.done else self._phase
         if event.behavior == "look-around":
             if phase is Driving.TURN:
                 self._follow()
             elif phase is Driving.LOOK:
                 self._correct(event.result)
             elif phase is Driving.FACE:
-                self._arrived()
+                self._arrive("arrived")
         elif event.behavior == "local-go-to" and phase is Driving.CENTER:
             if event.succeeded or not isinstance(event.result, PlacesDriven):
                 self.on_corrected(self.corrections[-1])
@@ -227,12 +176,3 @@ class ThesisNavigator:
                 # An obstacle bars the way to the middle: it turns to the entry heading where it stands.
                 pose = event.result.pose
                 self.agent.start("local-go-to", DrivePath((), (pose.x, pose.y, pose.heading), 0.0))
-
-    def _give_up(self, reason: str) -> None:
-        self.agent.stop("reactive-wall-following")
-        self.agent.bus.publish(Lost(time=self.agent.context.time, reason=reason))
-        self._end(False, reason)
-
-    def _end(self, reached: bool, reason: str) -> None:
-        self._phase = Driving.IDLE
-        self.done, self.reached, self.reason = True, reached, reason

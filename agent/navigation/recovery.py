@@ -6,17 +6,22 @@ trip was cancelled or failed between two nodes, nor after something else drove t
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from enum import Enum
+from typing import TYPE_CHECKING
 
-from ...world.robot import Pose, wrap_angle
-from ..events import Event, NodePassed, Stuck
-from ..goals import Leg, LegDriven
+from ...maps.sides import other_side
+from ...world.robot import Percept, Pose, wrap_angle
+from ..events import NodePassed, Stuck
+from ..listener import Listener, Outcome
 from ..localization.corner_filter import CHANGED, LocalizationConfig
 from ..localization.localizer import Localizer
 
 if TYPE_CHECKING:
     from ...maps.hybrid_map import HybridMap
     from ..agent import Agent
+    from ..behavior import Context
+    from ..goals import Leg, LegDriven
+    from .base import AnyNavigator
 
 ATTEMPTS = 4
 """Ways tried to a node before a trip is given up."""
@@ -29,74 +34,44 @@ _MOVED, _TURNED = 0.005, 0.05
 _AWAY = 0.05
 """Meters by odometry beyond which nothing is known of where it was stopped."""
 
-_BACK = {"right": "left", "left": "right"}
+
+class Doing(Enum):
+    """What a trip is about."""
+
+    RESTING = "no trip"
+    LOCALIZING = "finding out where it is"
+    DRIVING = "driving"
 
 
-class AnyNavigator(Protocol):
-    """What a trip needs of a navigator, whichever the profile names."""
+class RecoveringNavigator(Listener):
+    """Takes the robot to nodes of one map, one trip after the other, by a navigator and a localizer.
 
-    agent: Agent
-    map: HybridMap
-    node: int
-    legs: list[LegDriven]
-    planned: tuple[Leg, ...]
-    path: list[int]
-    done: bool
-    reached: bool
-    reason: str
-
-    @property
-    def arrival(self) -> str:
-        """The side along which the robot came to `node`, or that of the map in the transition pose."""
-
-    @property
-    def failed(self) -> Leg | None:
-        """The leg on which the last trip ended, if it can be told and did not arrive."""
-
-    def go(self, goal: int) -> None:
-        """Sets out for a node."""
-
-    def cancel(self) -> None:
-        """Stops where the robot is, between two nodes or not."""
-
-    def stand_at(self, node: int, arrival: str | None = None) -> None:
-        """Tells where the robot is, and the side it came by (None: it stands in the transition pose)."""
-
-    def close(self) -> None:
-        """Hears no more events; called when the map is put away."""
-
-
-class RecoveringNavigator:
-    """Takes the robot to nodes of one map, one trip after the other. Call `update` once a tick during a trip.
-
-    done, reached, reason: how the last trip stands. Of it, all attempts together: `legs`, the arcs driven;
-    `path`, the nodes; `reasons`, why each ended; `blocked`, arcs that could not be driven, marked as blocked
-    in the map. localizer: what found out last where the robot is, if anything had to.
+    Of the last trip, all attempts together: `legs`, the arcs driven; `path`, the nodes; `reasons`, why each
+    ended; `blocked`, arcs that could not be driven, marked as blocked in the map. localizer: what found out
+    last where the robot is, if anything had to.
     """
 
     def __init__(
         self, agent: Agent, hybrid_map: HybridMap, navigator: AnyNavigator, localizes: bool = True
     ) -> None:
         """The robot stands at the navigator's node now. localizes: whether it may find out where it is."""
+        super().__init__(agent)
         self.agent, self.map, self.navigator = agent, hybrid_map, navigator
+        navigator.on_end = self._on_driven
         self._localizes = localizes
         self.localizer: Localizer | None = None
-        self._localizing = False
+        self._doing = Doing.RESTING
         self._stood: Pose | None = agent.odometry.pose
         self._left = agent.odometry.pose
         self._near: tuple[int, ...] = ()
         self._passed = 0
         self._set_out_at = 0.0
-        self._stuck = False
         self._goal = navigator.node
         self._attempts = 0
         self._limit = 0.0
-        self.done, self.reached, self.reason = True, False, ""
         self._begin_records()
-        self._subscriptions = [
-            agent.bus.subscribe(NodePassed, self._on_passed),
-            agent.bus.subscribe(Stuck, self._on_stuck),
-        ]
+        self.listen(NodePassed, self._on_passed)
+        self.listen(Stuck, self._on_stuck)
 
     def _begin_records(self) -> None:
         self.legs: list[LegDriven] = []
@@ -129,55 +104,68 @@ class RecoveringNavigator:
         """Tells it that the robot's place is not known; near: nodes of which it meets one first."""
         self._stood, self._near, self._left = None, near, self.agent.odometry.pose
 
+    @property
+    def under_way(self) -> bool:
+        """Whether a trip has begun and not ended."""
+        return self._doing is not Doing.RESTING
+
+    @property
+    def reached(self) -> bool:
+        """Whether the last trip ended at its goal."""
+        return self.outcome is not None and self.outcome.succeeded
+
     def go(self, goal: int) -> None:
-        """Sets out. Where the robot is not known to be at a node it finds out first."""
-        self.done = self.reached = self._stuck = False
-        self.reason = ""
+        """Sets out for a node."""
+        self._goal = goal
+        self.start()
+
+    def start(self) -> None:
+        """Sets out for the node it was told last; if it is not known to be at one, it finds out first."""
+        super().start()
         self._begin_records()
-        self._goal, self._attempts = goal, ATTEMPTS
+        self._attempts = ATTEMPTS
         if self.node is None:
             self._localize(self.near)
         else:
             self._set_out()
 
-    def update(self) -> None:
-        """Goes on with the trip. Called once a tick."""
-        if self.done:
-            return
-        late = self.agent.context.time > self._limit
-        if self._stuck or late:
-            reason = "stuck" if self._stuck else f"not at node {self._goal} in time"
-            self.cancel()
-            self.reason = reason
-            self.reasons.append(reason)
-        elif self._localizing:
-            if self.localizer is not None and self.localizer.done:
-                self._found(self.localizer)
-        elif self.navigator.done:
-            self._ended()
+    def update(self, percept: Percept, context: Context) -> None:
+        """Watches the time that the trip takes."""
+        if context.time > self._limit:
+            self._give_up(f"not at node {self._goal} in time")
+        elif self._doing is Doing.DRIVING and self.navigator.outcome is not None:
+            self._on_driven(self.navigator.outcome)  # there was no way to begin with
 
-    def cancel(self) -> None:
+    def stop(self, reason: str = "cancelled") -> None:
         """Stops where the robot is; the next trip begins there, wherever that is."""
-        if self.done:
-            return
-        if self._localizing and self.localizer is not None:
-            self.localizer.cancel()
-            self.lose(self.near)
-        else:
-            self.navigator.cancel()
-            self._collect()
-            if not self._is_there():
-                self.lose(self._around())
-        self._end(False, "cancelled")
+        if self.under_way:
+            self._break_off()
+            super().stop(reason)
 
     def close(self) -> None:
-        """Hears no more events."""
-        self.cancel()
+        """Stops and hears no more."""
+        self.stop()
         self.navigator.close()
-        for subscription in self._subscriptions:
-            subscription.cancel()
+        super().close()
 
     # --- inside ----------------------------------------------------------------------------------------
+
+    def _give_up(self, reason: str) -> None:
+        self._break_off()
+        self.reasons.append(reason)
+        self.finish(False, reason=reason)
+
+    def _break_off(self) -> None:
+        """Stops what is under way and takes note of where that leaves the robot."""
+        doing, self._doing = self._doing, Doing.RESTING
+        if doing is Doing.LOCALIZING and self.localizer is not None:
+            self.localizer.stop()
+            self.lose(self.near)
+            return
+        self.navigator.stop()
+        self._collect()
+        if not self._is_there():
+            self.lose(self._around())
 
     def _is_there(self) -> bool:
         stood, pose = self._stood, self.agent.odometry.pose
@@ -191,31 +179,34 @@ class RecoveringNavigator:
             self._end(False, "the robot does not know where it is, and its profile has no way to find out")
             return
         config = CHANGED if changed else LocalizationConfig()
-        self.localizer = localizer = Localizer(self.agent, self.map, config, near)
-        self._localizing = True
+        self.localizer = localizer = Localizer(self.agent, self.map, config, near, self._on_localized)
+        self._doing = Doing.LOCALIZING
         self._limit = self.agent.context.time + PATIENCE + 3.0 * TIME_PER_METER * localizer.filter.loop_length
-        localizer.begin()
+        localizer.start()
 
-    def _found(self, localizer: Localizer) -> None:
-        self._localizing = False
-        if localizer.node is None:
-            self.lose()
-            self.reasons.append(localizer.reason)
-            self._end(False, f"the robot does not know where it is: {localizer.reason}")
-        else:
-            self.stand_at(localizer.node)
+    def _on_localized(self, outcome: Outcome) -> None:
+        if outcome.succeeded:
+            self.stand_at(outcome.result)
             self._set_out()
+        else:
+            self.lose()
+            self.reasons.append(outcome.reason)
+            self._end(False, f"the robot does not know where it is: {outcome.reason}")
 
     def _set_out(self) -> None:
         self._attempts -= 1
         self._passed = 0
         self._set_out_at = self.agent.odometry.travelled
+        self._doing = Doing.RESTING
         self.navigator.go(self._goal)
         length = sum(leg.distance for leg in self.navigator.planned)
         self._limit = self.agent.context.time + PATIENCE + TIME_PER_METER * length
+        self._doing = Doing.DRIVING
 
-    def _ended(self) -> None:
+    def _on_driven(self, outcome: Outcome) -> None:
         """One way was driven to its end, or as far as it led."""
+        if self._doing is not Doing.DRIVING:
+            return
         self._collect()
         navigator = self.navigator
         self.reasons.append(navigator.reason)
@@ -256,26 +247,27 @@ class RecoveringNavigator:
             if driven < leg.distance - 2.0 * _AWAY:
                 return (leg.target,) if leg.side == side else (leg.source, leg.target)
             here = leg.target
-        onward, before = self.map.next_arc(here, side), self.map.next_arc(here, _BACK[side])
+        onward, before = self.map.next_arc(here, side), self.map.next_arc(here, other_side(side))
         return (here, *(arc.end for arc in (onward, before) if arc is not None))
 
     def _block(self, leg: Leg) -> None:
         """Marks an arc and its reverse as blocked, in memory; a foray has none."""
         ways = [(leg.source, leg.target, leg.kind)]
         if leg.crossing is None:
-            ways.append((leg.target, leg.source, _BACK[leg.side]))
+            ways.append((leg.target, leg.source, other_side(leg.side)))
         for start, end, kind in ways:
             if self.map.graph.has_edge(start, end, kind):
                 self.map.block(start, end, kind)
                 self.blocked.append((start, end, kind))
 
-    def _on_passed(self, event: Event) -> None:
+    def _on_passed(self, event: NodePassed) -> None:
         self._passed += 1
         self._set_out_at = self.agent.odometry.travelled
 
     def _on_stuck(self, event: Stuck) -> None:
-        self._stuck |= event.given_up
+        if event.given_up and self.under_way:
+            self._give_up("stuck")
 
     def _end(self, reached: bool, reason: str) -> None:
-        self._localizing = False
-        self.done, self.reached, self.reason = True, reached, reason
+        self._doing = Doing.RESTING
+        self.finish(reached, self._goal if reached else None, reason)

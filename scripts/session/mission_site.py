@@ -99,12 +99,11 @@ class Trip:
     def outcome(self) -> Outcome | None:
         """Done when the guide is."""
         guide = self.guide
-        guide.update()
         return Outcome(guide.reached, guide.navigator.node, guide.reason) if guide.done else None
 
     def cancel(self) -> None:
         """Stops where the robot is; the next trip goes on from there."""
-        self.guide.cancel()
+        self.guide.stop()
 
 
 class RobotSite:
@@ -167,7 +166,7 @@ class RobotSite:
         goal = self._map().find(node)
         if self.guide is None:
             raise MissionError(f"the robot does not know where it is: {self.whereabouts}")
-        if not self.guide.done:
+        if self.guide.under_way:
             raise MissionError("the robot is on its way to another node already")
         self.guide.go(goal)
         return Trip(self.guide)

@@ -16,9 +16,9 @@ from ...agent.islands.mapper import IslandMapper
 from ...agent.mapping.base import AnyMapper, MapSink
 from ...agent.mapping.corners import Mapper, MappingConfig
 from ...agent.mapping.published import ThesisMapper, ThesisMappingConfig
+from ...agent.navigation.base import AnyNavigator
 from ...agent.navigation.corners import Navigator
 from ...agent.navigation.published import ThesisNavigationConfig, ThesisNavigator
-from ...agent.navigation.recovery import AnyNavigator
 from ...maps.hybrid_map import HybridMap
 from ...maps.local.training import DEFAULT, THESIS_2, LocalMapConfig
 from ...maps.som.schedules import PERCEPTUAL_2

@@ -13,10 +13,12 @@ from ...agent import Agent
 from ...agent.events import Stuck
 from ...agent.goals import LegDriven
 from ...agent.localization.localizer import Localizer
+from ...agent.navigation.base import AnyNavigator
 from ...agent.navigation.corners import Navigator
-from ...agent.navigation.recovery import TIME_PER_METER, AnyNavigator, RecoveringNavigator
+from ...agent.navigation.recovery import TIME_PER_METER, RecoveringNavigator
 from ...maps.hybrid_map import HybridMap
 from ...maps.meta import MapMeta
+from ...maps.sides import other_side
 from ...maps.storage.map_file import MapFile, Truth, read_truth
 from ...world import World
 from ...world.arenas.catalog import built_in_worlds, find_world
@@ -29,7 +31,6 @@ from .settings import load_settings
 
 LOST_BEYOND = 0.15
 """Meters from the node it says it is at beyond which a robot is lost."""
-_BACK = {"right": "left", "left": "right"}
 _ANYWHERE = 7
 """What sets the draw of a start pose apart from the other uses of the seed."""
 
@@ -142,7 +143,7 @@ class Trip:
     def localize(self, hybrid_map: HybridMap) -> int | None:
         """Drives along the boundary until the robot knows where it is; None if it never does."""
         self._localizer = localizer = Localizer(self.agent, hybrid_map)
-        localizer.begin()
+        localizer.start()
         limit = self.world.time + 120.0 + 3.0 * TIME_PER_METER * localizer.filter.loop_length
         self._run(lambda: localizer.done or self._stuck, limit, "finding out where it is")
         return localizer.node
@@ -163,7 +164,7 @@ class Trip:
             self.agent, navigator.map, navigator, localizes=isinstance(navigator, Navigator)
         )
         guide.go(goal)
-        self._run(lambda: guide.done, math.inf, f"on the way to node {goal}", guide.update)
+        self._run(lambda: guide.done, math.inf, f"on the way to node {goal}")
         self._localizer = guide.localizer or self._localizer
         self.attempts, self.blocked = guide.attempts, guide.blocked
         pose = self.world.true_pose()
@@ -187,13 +188,11 @@ class Trip:
         done: Callable[[], bool],
         limit: float,
         message: str,
-        update: Callable[[], None] = lambda: None,
     ) -> None:
-        """Ticks until it is done; a robot that is stuck ends it, or is the business of `update`."""
+        """Ticks until it is done."""
         while not done() and self.world.time < limit:
             self.agent.tick()
             self.world.step()
-            update()
             if self.world.time - self._told >= 1.0:
                 self._told = self.world.time
                 self.progress(Progress(self._told, 0, message))
@@ -239,7 +238,7 @@ def learn(path: Path, report: GoReport, blocked: list[tuple[int, int, str]]) -> 
                 file.map.record_traversal(*key, float(leg["distance_m"]), both_ways=not foray)
                 changed.add(key)
                 if not foray:
-                    changed.add((key[1], key[0], _BACK[key[2]]))
+                    changed.add((key[1], key[0], other_side(key[2])))
         for key in blocked:
             file.map.block(*key)
             changed.add(key)

@@ -6,6 +6,7 @@ import pytest
 from tolman.agent import Agent
 from tolman.agent.events import Stuck
 from tolman.agent.goals import LegDriven
+from tolman.agent.localization.localizer import Localizer
 from tolman.agent.navigation.corners import Navigator
 from tolman.agent.navigation.recovery import RecoveringNavigator
 from tolman.behaviors.go_to_node import GoToNode
@@ -36,7 +37,6 @@ def guide() -> RecoveringNavigator:
 
 def drive(guide: RecoveringNavigator, ticks: int) -> None:
     for _ in range(ticks):
-        guide.update()
         guide.agent.tick()
 
 
@@ -56,7 +56,7 @@ def test_it_stands_where_the_navigator_stands_until_something_moves_it(guide: Re
 
 def test_a_trip_cancelled_before_the_robot_moved_leaves_it_where_it_was(guide: RecoveringNavigator) -> None:
     guide.go(2)
-    guide.cancel()
+    guide.stop()
     assert (guide.done, guide.reached, guide.reason, guide.node) == (True, False, "cancelled", 0)
     assert not guide.agent.is_active("go-to-node")
 
@@ -64,7 +64,7 @@ def test_a_trip_cancelled_before_the_robot_moved_leaves_it_where_it_was(guide: R
 def test_cancelled_on_an_arc_it_knows_which_corner_it_meets_next(guide: RecoveringNavigator) -> None:
     guide.go(1)
     drive(guide, 400)
-    guide.cancel()
+    guide.stop()
     assert (guide.node, guide.near) == (None, (1,))
     move(guide, 0.2)
     assert guide.near == ()
@@ -75,7 +75,7 @@ def test_it_finds_out_where_it_is_before_it_sets_out(guide: RecoveringNavigator)
     guide.go(2)
     assert guide.agent.is_active("wall-following")
     assert not guide.agent.is_active("go-to-node")
-    guide.cancel()
+    guide.stop()
     assert not guide.agent.is_active("wall-following")
 
 
@@ -99,7 +99,7 @@ def test_a_stuck_robot_ends_its_trip(guide: RecoveringNavigator) -> None:
 def test_a_trip_that_never_ends_is_given_up(guide: RecoveringNavigator) -> None:
     guide.go(1)
     guide.agent.context.time = 1e6
-    guide.update()
+    guide.update(percept(right=0.022), guide.agent.context)
     assert guide.reason == "not at node 1 in time"
 
 
@@ -110,23 +110,17 @@ def test_an_arc_that_cannot_be_driven_is_blocked_and_another_way_looked_for(
     guide.go(1)
     navigator: Any = guide.navigator
     assert [leg.side for leg in navigator.planned] == ["right"]
-    navigator._end(False, "no corner came")
+    navigator.finish(False, reason="no corner came")
     drive(guide, 3)
     assert guide.blocked == [(0, 1, "right"), (1, 0, "left")]
     assert [leg.side for leg in navigator.planned] == ["left", "left", "left"]
     navigator.legs = [LegDriven(leg.source, leg.target, leg.side, 1.0, True) for leg in navigator.planned]
-    navigator._end(True, "arrived")
-    guide.update()
+    navigator.finish(True, 1, "arrived")
     assert (guide.done, guide.reached, len(guide.legs)) == (True, True, 3)
 
 
-class FoundAt0:
+class FoundAt0(Localizer):
     """A localizer that knows at once."""
 
-    node, done, reason = 0, True, "localized"
-
-    def __init__(self, agent: Agent, hybrid_map: HybridMap, config: object, near: tuple[int, ...]) -> None:
-        self.filter = type("Filter", (), {"loop_length": 4.0})()
-
-    def begin(self) -> None:
-        """Nothing to do."""
+    def start(self) -> None:
+        self.finish(True, 0, "localized")
