@@ -53,7 +53,7 @@ class AnyNavigator(TickListener, Protocol):
 class BaseNavigator(Listener):
     """Takes the robot from node to node of a map. How a way is driven is the method's own: `drive`.
 
-    node, arrival: where it holds the robot to be, and the side along which it points. Of the last trip, `legs`
+    node, arrival: where it holds the robot to be, the side along which it points. Of the last trip, `legs`
     were driven, `planned` were to be driven, `path` are their nodes. It succeeds at its goal.
     """
 
