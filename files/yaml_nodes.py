@@ -32,6 +32,7 @@ _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _INTEGER = re.compile(r"[-+]?[0-9]+", re.ASCII)
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?", re.ASCII)
 _NOT_FINITE = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)", re.ASCII)
+_CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 _WORDS: dict[str, Scalar] = {
     **dict.fromkeys(("", "~", "null", "Null", "NULL")),
     **dict.fromkeys(("true", "True", "TRUE"), True),
@@ -103,7 +104,9 @@ class Entry:
             return "a mapping"
         if isinstance(self._value, list):
             return "a list"
-        return "nothing" if self.is_nothing else quoted(self._value)
+        if not self.is_nothing:
+            return quoted(self._value)
+        return "nothing" if self._parent else "nothing: the file is empty"
 
     @property
     def is_mapping(self) -> bool:
@@ -156,7 +159,13 @@ class Entry:
         """A text; numbers, dates and words such as `true` are taken as they are written."""
         if not isinstance(self._value, str) or self.is_nothing:
             raise self.error(f"expected text, found {self.found()}")
-        return self._value
+        return self._shown(self._value)
+
+    def _shown(self, text: str) -> str:
+        """The text, if it holds no control characters but line breaks and tabs."""
+        if not text.isprintable() and _CONTROL.search(text):
+            raise self.error(f"{quoted(text)} holds control characters; leave them out")
+        return text
 
     def one_of(self, choices: Iterable[str]) -> str:
         """One of the given words."""
@@ -197,7 +206,7 @@ class Entry:
         """A text, whole number, finite number, truth value or None, as YAML's core schema reads it."""
         if not isinstance(self._value, str):
             raise self.error(f"expected a single value, found {self.found()}")
-        return self._typed(self._value) if self._plain else self._value
+        return self._typed(self._value) if self._plain else self._shown(self._value)
 
     def _typed(self, text: str) -> Scalar:
         if text in _WORDS:
@@ -210,7 +219,7 @@ class Entry:
             return value
         if _NOT_FINITE.fullmatch(text):
             raise self.error(f"expected a finite number, found {text!r}")
-        return text
+        return self._shown(text)
 
     def data(self) -> Any:
         """The value as plain Python: dicts, lists and scalars (see `scalar`)."""
@@ -300,8 +309,8 @@ class _Builder:
             return
         line = event.start_mark.line + 1
         self._key = event.value, line
-        if event.value == "":
-            raise parent.error("a key must be plain text")
+        if event.value == "" or _CONTROL.search(event.value):
+            raise self._document.error(line, "a key must be plain text")
         if event.value in parent._value:
             raise Entry(self._document, parent, event.value, line, line, "").error("this key appears twice")
 

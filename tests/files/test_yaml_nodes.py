@@ -161,10 +161,15 @@ def test_a_text_may_stand_for_another() -> None:
 
 
 def test_errors_show_no_control_characters() -> None:
-    entry = parse('"a\\e[31m": "b\\a"').mapping()
-    with pytest.raises(ShelfError) as caught:
-        entry["a\x1b[31m"].number()
-    assert str(caught.value) == "f.yaml:1: a\\x1b[31m: expected a number, found 'b\\x07'"
+    entry = parse('a: "b\\a"').mapping()["a"]
+    for read in (entry.text, entry.scalar, entry.data):
+        with pytest.raises(ShelfError, match=r"f.yaml:1: a: 'b\\x07' holds control characters"):
+            read()
+    with pytest.raises(ShelfError, match=r"f.yaml:1: a: expected a number, found 'b\\x07'"):
+        entry.number()
+    with pytest.raises(ShelfError, match=r"f.yaml:1: a key must be plain text"):
+        parse('"a\\e[31m": 1')
+    assert parse('"line\\nbreak\\t"').text() == "line\nbreak\t"
 
 
 def test_reading_takes_no_longer_than_composing() -> None:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 from functools import cache
 from importlib import resources
 from pathlib import Path
 
-from ..errors import UnknownWorldError, WorldError, WorldFileError
+from ...files.messages import unknown
+from ..errors import UnknownWorldError, WorldError
 from ..spec import WorldSpec
 
 
@@ -48,16 +48,10 @@ def find_world(world: str | Path, scale: float = 1.0) -> WorldSpec:
     path = Path(world)
     if not path.suffix and not path.exists():
         raise _unknown(str(world))
-    if not path.is_file():
-        raise WorldFileError(f"{path}: there is no such world file")
     from ..formats.files import load_file  # here, so that built-in names alone need no readers
 
     return load_file(path, built_in_world, scale)
 
 
 def _unknown(name: str) -> UnknownWorldError:
-    near = difflib.get_close_matches(name, built_in_worlds(), 1, 0.5)
-    hint = f"did you mean {near[0]!r}? " if near else ""
-    return UnknownWorldError(
-        f"unknown world {name!r}; {hint}built-in: {', '.join(built_in_worlds())}; or the path of a world file"
-    )
+    return UnknownWorldError(f"{unknown('world', name, built_in_worlds())}; or the path of a world file")

@@ -5,13 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from ...files.messages import printable
+from ...files.reading import read_text
+from ...files.yaml_nodes import MAX_BYTES, parse_yaml
 from ..errors import WorldFileError
 from ..spec import WorldSpec
-from .maze import load_maze
-from .rosmap import load_ros_map
-from .webots import load_webots
-from .worldfile import load_world
-from .yamlnodes import read_text, read_yaml
+from .maze import parse_maze
+from .rosmap import ros_map
+from .webots import parse_webots
+from .worldfile import complete_world
+
+LIMITS = {".yaml": MAX_BYTES, ".yml": MAX_BYTES, ".txt": 100_000, ".maze": 100_000, ".wbt": 5_000_000}
+"""Bytes that are read of a file of each kind."""
 
 
 def load_file(path: Path, lookup: Callable[[str], WorldSpec], scale: float = 1.0) -> WorldSpec:
@@ -20,13 +25,16 @@ def load_file(path: Path, lookup: Callable[[str], WorldSpec], scale: float = 1.0
     Raises: WorldFileError naming the file, and line and key where they are known.
     """
     suffix = path.suffix.lower()
+    if suffix not in LIMITS:
+        known = ", ".join(LIMITS)
+        raise WorldFileError(f"{printable(str(path))}: a world file ends in one of {known}, not {suffix!r}")
+    text, source = read_text(path, LIMITS[suffix], WorldFileError), str(path)
     if suffix == ".wbt":
-        return load_webots(path, scale)
+        return parse_webots(text, source, path.stem, scale)
     if suffix in (".txt", ".maze"):
-        return load_maze(path, scale)
-    if suffix not in (".yaml", ".yml"):
-        raise WorldFileError(f"{path}: a world file ends in .yaml, .yml, .txt, .maze or .wbt, not {suffix!r}")
-    keys = read_yaml(read_text(path), str(path)).mapping()
+        return parse_maze(text, source, path.stem, scale)
+    document = parse_yaml(text, source, WorldFileError)
+    keys = document.mapping()
     if "tolman-world" not in keys and "image" in keys:
-        return load_ros_map(path, scale)
-    return load_world(path, lookup, scale)
+        return ros_map(document, source, path.parent, path.stem, scale)
+    return complete_world(document, path, lookup, scale)

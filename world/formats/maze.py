@@ -9,7 +9,6 @@ from ..geometry import Point
 from ..spec import Box, Shape, Wall, WorldSpec
 from ..starts import require_start, with_starts
 from ..transforms import scaled
-from .yamlnodes import read_text
 
 CELL = 0.18
 """Side (m) of a cell of the classic contest."""
@@ -17,19 +16,13 @@ THICKNESS = 0.012
 HEIGHT = 0.05
 POSTS = "+o."
 MAX_CELLS = 64
-MAX_BYTES = 100_000
-
-
-def load_maze(path: Path, scale: float = 1.0) -> WorldSpec:
-    """The world drawn in a text file, starting beside a wall near its `S` (else the lower left cell).
-
-    Raises: WorldFileError naming file and line.
-    """
-    return parse_maze(read_text(path, MAX_BYTES), str(path), path.stem, scale)
 
 
 def parse_maze(text: str, source: str, name: str, scale: float = 1.0) -> WorldSpec:
-    """A world from a drawn maze. Raises: WorldFileError naming `source` and line."""
+    """The world drawn in a text, starting beside a wall near its `S` (else the lower left cell).
+
+    Raises: WorldFileError naming `source` and line.
+    """
     lines = [line.rstrip() for line in text.splitlines()]
     while lines and not lines[-1]:
         lines.pop()

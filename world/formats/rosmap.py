@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ...files.yaml_nodes import Entry, parse_yaml
 from ..errors import WorldFileError
 from ..geometry import Point, signed_area
 from ..robot import EPUCK
@@ -21,10 +22,10 @@ from ..starts import require_start, with_starts
 from ..transforms import scaled
 from .bitmaps import Gray, read_bitmap
 from .contours import outlines, straightened, walls_along
-from .yamlnodes import Entry, read_text, read_yaml
 
 KEYS = ("image", "mode", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
 MODES = ("trinary", "scale", "raw")
+NEGATE = {"0": False, "1": True, "false": False, "true": True, "no": False, "yes": True}
 DENT = 5
 """Cells; narrower dents of a wall, and smaller bumps on it, are what a laser made of it."""
 THICKNESS = 0.005
@@ -40,32 +41,23 @@ MAX_SHAPES = 200_000
 Mask = NDArray[np.bool_]
 
 
-def load_ros_map(path: Path, scale: float = 1.0) -> WorldSpec:
+def parse_ros_map(text: str, source: str, folder: Path, name: str, scale: float = 1.0) -> WorldSpec:
+    """As `ros_map`, from the text of the YAML."""
+    return ros_map(parse_yaml(text, source, WorldFileError), source, folder, name, scale)
+
+
+def ros_map(document: Entry, source: str, folder: Path, name: str, scale: float = 1.0) -> WorldSpec:
     """The world that a map_server YAML and its image describe, starts chosen beside a wall.
 
-    scale: what lengths are multiplied by, for a map that was made for a larger robot.
-
-    Raises: WorldFileError naming file, line and key.
-    """
-    return parse_ros_map(read_text(path), str(path), path.parent, path.stem, scale)
-
-
-def parse_ros_map(text: str, source: str, folder: Path, name: str, scale: float = 1.0) -> WorldSpec:
-    """A world from the text of a map_server YAML; `folder` is where its image is looked for.
+    folder: where the image is looked for. scale: what lengths are multiplied by, for a map that was made for
+    a larger robot.
 
     Raises: WorldFileError naming `source`, line and key.
     """
-    document = read_yaml(text, source)
     keys = document.mapping(KEYS, required=("image", "resolution", "origin"))
     resolution = keys["resolution"].number(1e-4, 100.0)
     x, y, yaw = keys["origin"].numbers(3)
-    image = read_bitmap(folder / keys["image"].text())
-    mode = keys["mode"].one_of(MODES) if "mode" in keys else "trinary"
-    occupied_above = keys["occupied_thresh"].number(0.0, 1.0) if "occupied_thresh" in keys else 0.65
-    free_below = keys["free_thresh"].number(0.0, 1.0) if "free_thresh" in keys else 0.196
-    if free_below > occupied_above:
-        raise keys.get("free_thresh", document).error(f"{free_below:g} is above occupied_thresh")
-    free = free_cells(image, mode, occupied_above, free_below, _negate(keys))
+    free = _free(keys, document, folder)
     area = largest_area(free)
     if not area.any():
         raise document.error("the map has no free cell")
@@ -88,27 +80,53 @@ def parse_ros_map(text: str, source: str, folder: Path, name: str, scale: float 
     return require_start(with_starts(scaled(spec, scale), is_free=is_free), source)
 
 
-def _negate(keys: dict[str, Entry]) -> bool:
-    return "negate" in keys and keys["negate"].one_of(("0", "1", "true", "false")) in ("1", "true")
+def _free(keys: dict[str, Entry], document: Entry, folder: Path) -> Mask:
+    """The free cells of the image, as the YAML says to read it."""
+    mode = _word(keys["mode"], MODES) if "mode" in keys else "trinary"
+    negate = "negate" in keys and NEGATE[_word(keys["negate"], tuple(NEGATE))]
+    occupied_above = keys["occupied_thresh"].number(0.0, 1.0) if "occupied_thresh" in keys else 0.65
+    free_below = keys["free_thresh"].number(0.0, 1.0) if "free_thresh" in keys else 0.196
+    if free_below > occupied_above:
+        raise keys.get("free_thresh", document).error(f"{free_below:g} is above occupied_thresh")
+    try:
+        image, opaque = read_bitmap(folder / keys["image"].text())
+    except WorldFileError as error:
+        raise keys["image"].error(str(error)) from None
+    return free_cells(image, mode, occupied_above, free_below, negate, opaque)
 
 
-def free_cells(image: Gray, mode: str, occupied_above: float, free_below: float, negate: bool) -> Mask:
+def _word(entry: Entry, known: tuple[str, ...]) -> str:
+    """One of the known words, in whichever case it is written."""
+    word = entry.text().lower()
+    return word if word in known else entry.one_of(known)
+
+
+def free_cells(
+    image: Gray,
+    mode: str,
+    occupied_above: float,
+    free_below: float,
+    negate: bool,
+    opaque: Mask | bool = True,
+) -> Mask:
     """Which cells (rows, columns), row 0 on top, are free.
 
     trinary: those whose occupancy is below `free_below`, but not those of the gray that map savers write
     for unknown: it lies between the old default threshold (0.196) and the new one (0.25). scale: also those
     in between whose share of the way to `occupied_above` is under a half. raw: those whose value, in percent,
-    is below `free_below`. Cells never seen count as free where they are specks among free ones.
+    is below `free_below`. Cells that are not `opaque` were never seen; such cells count as free where they
+    are specks among free ones.
     """
     if mode == "raw":
         percent = np.round(image * 255.0)
-        occupied = (percent > occupied_above * 100.0) & (percent <= 100.0)
-        return _with_specks(percent < free_below * 100.0, occupied)
+        free, occupied = percent < free_below * 100.0, (percent > occupied_above * 100.0) & (percent <= 100.0)
+        return _with_specks(free & opaque, occupied & opaque)
     occupancy = image if negate else 1.0 - image
-    occupied = occupancy > occupied_above
+    occupied = (occupancy > occupied_above) & opaque
     if mode == "scale" and occupied_above > free_below:
-        return _with_specks((occupancy - free_below) / (occupied_above - free_below) < 0.5, occupied)
-    free = occupancy < free_below
+        free = (occupancy - free_below) / (occupied_above - free_below) < 0.5
+        return _with_specks(free & opaque, occupied)
+    free = (occupancy < free_below) & opaque
     known = free & (np.round(image * 255.0) != UNKNOWN)
     return _with_specks(known if known.any() else free, occupied)
 

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
+from ...files.yaml_nodes import Entry
 from ..errors import WorldFileError
 from ..spec import Texture
 from .bitmaps import read_bitmap
-from .yamlnodes import Entry
 
 PATTERNS = ("stripes", "bars", "checks", "noise", "gradient")
 KEYS = ("pattern", "size", "seed", "low", "high", "rows", "file")
@@ -46,12 +46,12 @@ def _from_file(name: str, entry: Entry, folder: Path | None) -> Texture:
     if folder is None:
         raise entry.error("bitmaps can only be named in a world file on disk")
     try:
-        image = read_bitmap(folder / entry.text())
+        image = read_bitmap(folder / entry.text(), MAX_SIDE**2).gray
     except WorldFileError as error:
         raise entry.error(str(error)) from None
     if max(image.shape) > MAX_SIDE:
         raise entry.error(f"{image.shape[1]}x{image.shape[0]} pixels, more than {MAX_SIDE}x{MAX_SIDE}")
-    return Texture(name, tuple(tuple(float(value) for value in row) for row in np.round(image, 6)))
+    return Texture(name, tuple(tuple(row) for row in np.round(image, 6).tolist()))
 
 
 def drawn(

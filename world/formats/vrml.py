@@ -112,7 +112,11 @@ class _Reader:
             word, content, place = self.take()
             if word != "word":
                 raise self.error(place, f"expected a field of {kind}, found {content[:40]!r}")
-            node.fields[content] = self.values(depth)
+            hidden = content == "hidden"  # what Webots notes down for itself, such as a wheel's angle
+            field_name = self.take()[1] if hidden else content
+            values = self.values(depth)
+            if not hidden:
+                node.fields[field_name] = values
         self.expect("}")
         return node
 
@@ -150,13 +154,24 @@ def _number(text: str, reader: _Reader, line: int) -> float:
     return value
 
 
+def version_of(text: str, source: str) -> tuple[int, str]:
+    """Year and letter of the Webots that wrote a .wbt file, as in R2023b; (0, "") for older ones, as V8.5.
+
+    Raises: WorldFileError when the text is none.
+    """
+    begin = re.match(r"#VRML_SIM (?:R(\d{4})([a-z]?)|V\d)", text)
+    if begin is None:
+        raise WorldFileError(
+            f"{source}:1: not a Webots world: it does not begin with '#VRML_SIM' and a version, as R2023b"
+        )
+    return int(begin[1] or 0), begin[2] or ""
+
+
 def parse_nodes(text: str, source: str) -> list[Node]:
     """The top-level nodes of a .wbt file.
 
     Raises: WorldFileError naming `source` and line.
     """
-    if not text.startswith("#VRML_SIM "):
-        raise WorldFileError(f"{source}:1: not a Webots world: it does not begin with '#VRML_SIM'")
     reader = _Reader(text, source)
     nodes = []
     while reader.peek()[0] != "end":

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..errors import WorldFileError, WorldWarning
@@ -13,8 +13,7 @@ from ..robot import EPUCK, Pose
 from ..spec import Box, Cylinder, Shape, Start, WorldSpec
 from ..starts import require_start, with_starts
 from ..transforms import scaled
-from .vrml import Node, parse_nodes
-from .yamlnodes import read_text
+from .vrml import Node, parse_nodes, version_of
 
 SILENT = (
     *("WorldInfo", "Viewpoint", "Background", "TexturedBackground", "TexturedBackgroundLight"),
@@ -25,26 +24,53 @@ BOXES = {"WoodenBox": 0.6, "CardboardBox": 0.6, "SolidBox": 1.0, "PlasticCrate":
 GROUPS = ("Solid", "Pose", "Transform", "Group")
 SKIP_ABOVE = 0.05
 """Shapes that begin higher (m) than this do not touch an e-puck."""
-MAX_BYTES = 5_000_000
 MAX_SHAPES = 20_000
-Place = tuple[float, float, float, float]
-"""x, y, z (m) and heading (rad)."""
+MAX_NODES = 100_000
+"""Nodes that are looked at; with USE a short file can stand for endlessly many."""
+ENU_SINCE = (2022, "a")
+"""Since this version of Webots z is up in new worlds, and in all its objects."""
+CONVERT = "save it with z up (coordinateSystem ENU) by a newer Webots"
 
 
-def load_webots(path: Path, scale: float = 1.0) -> WorldSpec:
-    """The world in a .wbt file.
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a node's own coordinates are in the world. x, y, z: m. heading: rad.
 
-    Raises: WorldFileError naming file and line. Warns: WorldWarning for what it cannot take over.
+    scale: what lengths along the node's own axes are multiplied by, before it is turned and moved.
     """
-    return parse_webots(read_text(path, MAX_BYTES), str(path), path.stem, scale)
+
+    x: float
+    y: float
+    z: float
+    heading: float
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+
+    def point(self, x: float, y: float, z: float) -> tuple[float, float, float]:
+        """The node's point (x, y, z) in the world."""
+        x, y = x * self.scale[0], y * self.scale[1]
+        cosine, sine = math.cos(self.heading), math.sin(self.heading)
+        return self.x + cosine * x - sine * y, self.y + sine * x + cosine * y, self.z + z * self.scale[2]
+
+    def moved(self, x: float, y: float, z: float = 0.0) -> Place:
+        """The same at another point of the node's own."""
+        x, y, z = self.point(x, y, z)
+        return replace(self, x=x, y=y, z=z)
+
+
+ORIGIN = Place(0.0, 0.0, 0.0, 0.0)
 
 
 def parse_webots(text: str, source: str, name: str, scale: float = 1.0) -> WorldSpec:
-    """A world from the text of a .wbt file; see `load_webots`."""
+    """A world from the text of a .wbt file.
+
+    Raises: WorldFileError naming `source` and line. Warns: WorldWarning for what it cannot take over.
+    """
     collected = _Collector(source)
     try:
+        if version_of(text, source) < ENU_SINCE:
+            raise WorldFileError(f"{source}:1: a y-up world, of before Webots R2022a; {CONVERT}")
         for node in parse_nodes(text, source):
-            collected.take(node, (0.0, 0.0, 0.0, 0.0), 0)
+            collected.take(node, ORIGIN)
     except ValueError as error:
         raise error if isinstance(error, WorldFileError) else WorldFileError(f"{source}: {error}") from None
     except RecursionError:
@@ -72,50 +98,79 @@ class _Collector:
         self.shapes: list[Shape] = []
         self.robots: list[Pose] = []
         self.skipped: dict[str, int] = {}
+        self._seen = 0
 
-    def take(self, node: Node, at: Place, depth: int) -> None:
-        if len(self.shapes) > MAX_SHAPES:
-            raise WorldFileError(f"{self.source}: more than {MAX_SHAPES} shapes")
+    def take(self, node: Node, at: Place) -> None:
+        self._count()
         if node.kind == "WorldInfo" and node.fields.get("coordinateSystem", ["ENU"]) != ["ENU"]:
-            raise WorldFileError(f"{self.source}:{node.line}: only the coordinate system ENU is supported")
+            raise WorldFileError(f"{self.source}:{node.line}: a world whose z is not up; {CONVERT}")
         if node.kind in SILENT:
             return
-        place = _placed(node, at)
+        place = self._placed(node, at)
         if place is None:
-            self._skip(f"{node.kind} (tilted)")
-        elif node.kind == "RectangleArena":
+            return
+        if node.kind == "RectangleArena":
             self._arena(node, place)
         elif node.kind in BOXES:
             side = BOXES[node.kind]
             self._box(place, node.numbers("size", (side, side, side)))
         elif node.kind == "Wall":
-            width, depth_, height = node.numbers("size", (0.5, 5.0, 2.4))
-            self._box((place[0], place[1], place[2] + height / 2, place[3]), (width, depth_, height))
+            width, depth, height = node.numbers("size", (0.5, 5.0, 2.4))
+            self._box(place.moved(0.0, 0.0, height / 2), (width, depth, height))
         elif node.kind == "E-puck":
-            self.robots.append(Pose(place[0], place[1], math.remainder(place[3], math.tau)))
+            self.robots.append(Pose(place.x, place.y, math.remainder(place.heading, math.tau)))
         elif node.kind in GROUPS:
-            self._group(node, place, depth)
+            self._group(node, place)
         else:
             self._skip(node.kind)
 
-    def _group(self, node: Node, place: Place, depth: int) -> None:
+    def _count(self) -> None:
+        self._seen += 1
+        if self._seen > MAX_NODES or len(self.shapes) > MAX_SHAPES:
+            raise WorldFileError(f"{self.source}: more than {MAX_SHAPES} shapes or {MAX_NODES} nodes")
+
+    def _placed(self, node: Node, at: Place) -> Place | None:
+        """Where a node stands; None, and noted, where it is tilted or sheared."""
+        x, y, z = node.numbers("translation", (0.0, 0.0, 0.0))
+        axis_x, axis_y, axis_z, angle = node.numbers("rotation", (0.0, 0.0, 1.0, 0.0))
+        length = math.sqrt(axis_x**2 + axis_y**2 + axis_z**2)
+        turns = abs(math.remainder(angle, math.tau)) > 1e-3
+        if turns and not (length > 0 and math.hypot(axis_x, axis_y) / length < 1e-3):
+            self._skip(f"{node.kind} (tilted)")
+            return None
+        angle = math.copysign(angle, angle * axis_z if axis_z else angle)
+        along, aside, up = at.scale
+        if turns and abs(along - aside) > 1e-6 * along:
+            if abs(math.remainder(angle, math.pi / 2)) > 1e-3:
+                self._skip(f"{node.kind} (sheared by the scale of what it is in)")
+                return None
+            if abs(math.remainder(angle, math.pi)) > 1e-3:
+                along, aside = aside, along
+        own = [abs(factor) for factor in node.numbers("scale", (1.0, 1.0, 1.0))]
+        if min(own) < 1e-6:
+            raise WorldFileError(f"{self.source}:{node.line}: {node.kind} is scaled to nothing")
+        scale = (along * own[0], aside * own[1], up * own[2])
+        return replace(at.moved(x, y, z), heading=at.heading + angle, scale=scale)
+
+    def _group(self, node: Node, place: Place) -> None:
         bounds = node.nodes("boundingObject")
         shapes = bounds or [child for child in node.nodes("children") if child.kind == "Shape"]
         for shape in shapes:
-            self._geometry(shape, place, depth)
+            self._geometry(shape, place)
         for child in node.nodes("children"):
             if child.kind != "Shape":
-                self.take(child, place, depth + 1)
+                self.take(child, place)
 
-    def _geometry(self, node: Node, at: Place, depth: int) -> None:
+    def _geometry(self, node: Node, at: Place) -> None:
+        self._count()
         if node.kind == "Shape":
             for geometry in node.nodes("geometry"):
-                self._geometry(geometry, at, depth + 1)
+                self._geometry(geometry, at)
         elif node.kind in GROUPS:
-            place = _placed(node, at)
+            place = self._placed(node, at)
             for child in node.nodes("children"):
                 if place is not None:
-                    self._geometry(child, place, depth + 1)
+                    self._geometry(child, place)
         elif node.kind == "Box":
             self._box(at, node.numbers("size", (2.0, 2.0, 2.0)))
         elif node.kind == "Cylinder":
@@ -126,29 +181,31 @@ class _Collector:
     def _arena(self, node: Node, place: Place) -> None:
         width, depth = node.numbers("floorSize", (1.0, 1.0))
         thick, height = node.numbers("wallThickness", (0.01,))[0], node.numbers("wallHeight", (0.1,))[0]
-        middle = place[2] + height / 2
         for x, y, size in (
             (0.0, -(depth + thick) / 2, (width + 2 * thick, thick, height)),
             (0.0, (depth + thick) / 2, (width + 2 * thick, thick, height)),
             (-(width + thick) / 2, 0.0, (thick, depth, height)),
             ((width + thick) / 2, 0.0, (thick, depth, height)),
         ):
-            self._box(_moved(place, x, y, middle - place[2]), size)
+            self._box(place.moved(x, y, height / 2), size)
 
     def _box(self, place: Place, size: tuple[float, ...]) -> None:
-        width, depth, height = size
-        if min(size) < 1e-4:
+        width, depth, height = (side * factor for side, factor in zip(size, place.scale, strict=True))
+        if min(width, depth, height) < 1e-4:
             raise WorldFileError(f"{self.source}: a box of {width:g} x {depth:g} x {height:g} m is no box")
-        x, y, z, heading = place
-        if self._touches_floor(z - height / 2, z + height / 2, "box"):
-            self.shapes.append(Box(x, y, width, depth, heading, z + height / 2))
+        if self._touches_floor(place.z - height / 2, place.z + height / 2, "box"):
+            self.shapes.append(Box(place.x, place.y, width, depth, place.heading, place.z + height / 2))
 
     def _cylinder(self, place: Place, radius: float, height: float) -> None:
+        along, aside, up = place.scale
+        radius, height = radius * along, height * up
+        if abs(along - aside) > 1e-6 * along:
+            self._skip("Cylinder (scaled to an ellipse)")
+            return
         if min(radius, height) < 1e-4:
             raise WorldFileError(f"{self.source}: no cylinder has radius {radius:g} and height {height:g} m")
-        x, y, z, _ = place
-        if self._touches_floor(z - height / 2, z + height / 2, "cylinder"):
-            self.shapes.append(Cylinder(x, y, radius, z + height / 2))
+        if self._touches_floor(place.z - height / 2, place.z + height / 2, "cylinder"):
+            self.shapes.append(Cylinder(place.x, place.y, radius, place.z + height / 2))
 
     def _touches_floor(self, bottom: float, top: float, what: str) -> bool:
         if bottom < SKIP_ABOVE and top > 1e-3:
@@ -163,20 +220,3 @@ class _Collector:
         if self.skipped:
             what = ", ".join(f"{count} {kind}" for kind, count in sorted(self.skipped.items()))
             warnings.warn(f"{self.source}: skipped: {what}", WorldWarning, stacklevel=4)
-
-
-def _placed(node: Node, at: Place) -> Place | None:
-    """Where a node stands, or None when it is turned about another axis than the vertical."""
-    x, y, z = node.numbers("translation", (0.0, 0.0, 0.0))
-    axis_x, axis_y, axis_z, angle = node.numbers("rotation", (0.0, 0.0, 1.0, 0.0))
-    length = math.sqrt(axis_x**2 + axis_y**2 + axis_z**2)
-    upright = length > 0 and math.hypot(axis_x, axis_y) / length < 1e-3
-    if not upright and abs(math.remainder(angle, math.tau)) > 1e-3:
-        return None
-    moved = _moved(at, x, y, z)
-    return (*moved[:3], moved[3] + math.copysign(angle, angle * axis_z if axis_z else angle))
-
-
-def _moved(at: Place, x: float, y: float, z: float) -> Place:
-    cosine, sine = math.cos(at[3]), math.sin(at[3])
-    return at[0] + cosine * x - sine * y, at[1] + sine * x + cosine * y, at[2] + z, at[3]

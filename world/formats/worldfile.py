@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+from ...files.yaml_nodes import Entry, parse_yaml
 from ..errors import WorldError, WorldFileError
 from ..geometry import Point, signed_area
 from ..robot import Pose, wrap_angle
@@ -29,7 +30,6 @@ from ..spec import (
 from ..starts import require_start, with_starts
 from ..transforms import mirrored, resurfaced, scaled
 from .textures import read_textures
-from .yamlnodes import Entry, read_text, read_yaml
 
 VERSION = 1
 SIZE = (1e-3, 1e3)
@@ -55,14 +55,14 @@ COLORS: dict[str, Color] = {
 Lookup = Callable[[str], WorldSpec]
 
 
-def load_world(path: Path, lookup: Lookup | None = None, scale: float = 1.0) -> WorldSpec:
-    """Reads a world file; its name defaults to the file's, and starts are chosen if it names none.
+def complete_world(document: Entry, path: Path, lookup: Lookup | None, scale: float = 1.0) -> WorldSpec:
+    """The world that a file describes; its name defaults to the file's, and starts are chosen if it has none.
 
     lookup: finds the world that a `based-on` key names. scale: what lengths are multiplied by.
 
     Raises: WorldFileError naming file, line and key.
     """
-    spec = scaled(parse_world(read_text(path), str(path), path.stem, lookup, path.parent), scale)
+    spec = scaled(_world(document, path.stem, lookup, path.parent), scale)
     return spec if spec.starts else require_start(with_starts(spec), str(path))
 
 
@@ -73,7 +73,10 @@ def parse_world(
 
     Raises: WorldFileError naming `source`, line and key.
     """
-    document = read_yaml(text, source)
+    return _world(parse_yaml(text, source, WorldFileError), name, lookup, folder)
+
+
+def _world(document: Entry, name: str, lookup: Lookup | None, folder: Path | None) -> WorldSpec:
     top = document.mapping(TOP_KEYS, required=("tolman-world",))
     top["tolman-world"].integer(VERSION, VERSION)
     base = _base(top, lookup, name)

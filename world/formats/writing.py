@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
+import re
 from collections.abc import Iterable
 
 from ..errors import WorldError
@@ -21,7 +23,7 @@ def world_text(spec: WorldSpec) -> str:
         raise WorldError(
             f"world {spec.name!r} has textures, movable boxes or scenery; these cannot be written"
         )
-    lines = ["tolman-world: 1", *([f"description: {spec.description}"] if spec.description else [])]
+    lines = ["tolman-world: 1", *([f"description: {_text(spec.description)}"] if spec.description else [])]
     for key, kind in (("boxes", Box), ("walls", Wall), ("cylinders", Cylinder), ("polygons", Polygon)):
         shapes = [shape for shape in spec.shapes if isinstance(shape, kind)]
         lines += [f"{key}:", *(f"  - {{{_shape(shape)}}}" for shape in shapes)] if shapes else []
@@ -29,11 +31,16 @@ def world_text(spec: WorldSpec) -> str:
         lines += [f"{key}:"] if poses else []
         for start in poses:
             pose = start.pose
-            lines.append(f"  {start.name}: {_list((pose.x, pose.y, math.degrees(pose.heading)))}")
+            lines.append(f"  {_text(start.name)}: {_list((pose.x, pose.y, math.degrees(pose.heading)))}")
     if spec.robots:
         lines.append("robots:")
         lines += [f"  - {_list((pose.x, pose.y, math.degrees(pose.heading)))}" for pose in spec.robots]
     return "\n".join(lines) + "\n"
+
+
+def _text(text: str) -> str:
+    """The text as it stands, or in quotes where YAML would read something else."""
+    return text if re.fullmatch(r"[A-Za-z][\w ,.()/-]*", text) else json.dumps(text, ensure_ascii=False)
 
 
 def _shape(shape: Shape) -> str:

@@ -1,17 +1,23 @@
 from __future__ import annotations
 
 import math
+import os
+import struct
+import tracemalloc
+import zlib
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from PIL import Image
 from tolman.world import WorldFileError, WorldWarning, find_world, open_world
 from tolman.world.formats.bitmaps import parse_bitmap
 from tolman.world.formats.maze import parse_maze
 from tolman.world.formats.rosmap import free_cells, largest_area
 from tolman.world.formats.webots import parse_webots
 from tolman.world.geometry import Plan
+from tolman.world.spec import Box
 
 MAZE = """\
 o---o---o---o
@@ -135,7 +141,7 @@ def test_a_start_lies_in_the_room_also_where_its_walls_stand_around_a_place_outs
 @pytest.mark.parametrize(
     ("keys", "problem"),
     [
-        ({"image": "gone.pgm"}, "gone.pgm: cannot be read"),
+        ({"image": "gone.pgm"}, r"map.yaml:1: image: .*gone.pgm: there is no such file"),
         ({"resolution": 0}, "map.yaml:2: resolution"),
         ({"origin": "[0, 0]"}, "map.yaml:3: origin: expected 3 values"),
         ({"mode": "trinay"}, "did you mean 'trinary'"),
@@ -168,9 +174,9 @@ def test_a_damaged_image_is_explained(data: bytes, problem: str) -> None:
 
 
 def test_all_kinds_of_pgm_read_the_same() -> None:
-    plain = parse_bitmap(b"P2\n# c\n2 1\n# d\n255\n0 255\n", "a")
-    raw = parse_bitmap(b"P5 2 1 255 \x00\xff", "a")
-    wide = parse_bitmap(b"P5 2 1 65535\n\x00\x00\xff\xff", "a")
+    plain = parse_bitmap(b"P2\n# c\n2 1\n# d\n255\n0 255\n", "a").gray
+    raw = parse_bitmap(b"P5 2 1 255 \x00\xff", "a").gray
+    wide = parse_bitmap(b"P5 2 1 65535\n\x00\x00\xff\xff", "a").gray
     assert plain.tolist() == raw.tolist() == wide.tolist() == [[0.0, 1.0]]
 
 
@@ -232,7 +238,10 @@ def test_a_webots_world_is_taken_over_with_a_warning_for_the_rest(tmp_path: Path
             "w.wbt: line 2: WoodenBox.size: .*3 numbers",
         ),
         ("#VRML_SIM R2023b utf8\nWoodenBox {\n size 1 1 1", "w.wbt:3: expected"),
-        ('#VRML_SIM R2023b utf8\nWorldInfo { coordinateSystem "NUE" }', "only the coordinate system ENU"),
+        (
+            '#VRML_SIM R2023b utf8\nWorldInfo { coordinateSystem "NUE" }',
+            "w.wbt:2: a world whose z is not up; save it with z up",
+        ),
         ("#VRML_SIM R2023b utf8\nUSE A", "no DEF names"),
         ("#VRML_SIM R2023b utf8\n" + "Group { children [ " * 60, "nested deeper"),
         ("#VRML_SIM R2023b utf8\n?", "w.wbt:2: unexpected"),
@@ -244,8 +253,144 @@ def test_a_wrong_webots_world_is_explained(text: str, problem: str) -> None:
         parse_webots(text, "w.wbt", "w")
 
 
+@pytest.mark.parametrize("version", ["R2020a", "R2021b", "V8.5.0"])
+def test_a_webots_world_with_y_up_is_refused(version: str) -> None:
+    text = f"#VRML_SIM {version} utf8\nWoodenBox {{ translation 0.2 0.05 0.3 size 0.1 0.1 0.2 }}"
+    with pytest.raises(WorldFileError, match=r"w.wbt:1: a y-up world, of before Webots R2022a; save it with"):
+        parse_webots(text, "w.wbt", "w")
+
+
+def boxes_of(nodes: str) -> list[tuple[float, ...]]:
+    """x, y, width, depth (m) and heading (degrees) of the boxes that stand in an arena."""
+    text = f"#VRML_SIM R2023b utf8\nRectangleArena {{ floorSize 2 2 }}\n{nodes}"
+    boxes = [shape for shape in parse_webots(text, "w.wbt", "w").shapes[4:] if isinstance(shape, Box)]
+    return [(box.x, box.y, box.width, box.depth, math.degrees(box.angle)) for box in boxes]
+
+
+def test_scale_is_honored() -> None:
+    shape = "Shape { geometry Box { size 0.1 0.2 0.1 } }"
+    pose = "translation 0.1 0.2 0.05"
+    assert boxes_of(f"Transform {{ {pose} scale 2 2 2 children [ {shape} ] }}") == [
+        pytest.approx((0.1, 0.2, 0.2, 0.4, 0.0))
+    ]
+    inner = f"Pose {{ translation 0.1 0 0 rotation 0 0 1 1.5707963 children [ {shape} ] }}"
+    (turned,) = boxes_of(f"Transform {{ {pose} scale 2 1 1 children [ {inner} ] }}")
+    assert turned == pytest.approx((0.3, 0.2, 0.1, 0.4, 90.0), abs=1e-5)
+    (both,) = boxes_of(
+        f"Transform {{ scale 2 2 1 children [ Transform {{ scale 1 2 1 children [ {shape} ] }} ] }}"
+    )
+    assert both == pytest.approx((0.0, 0.0, 0.2, 0.8, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("nodes", "skipped"),
+    [
+        ("Transform { scale 2 1 1 children [ WoodenBox { rotation 0 0 1 0.5 } ] }", r"WoodenBox \(sheared"),
+        (
+            "Transform { scale 2 1 1 children [ Shape { geometry Cylinder { radius 0.1 height 0.1 } } ] }",
+            r"Cylinder \(scaled to an ellipse\)",
+        ),
+    ],
+)
+def test_what_a_scale_makes_of_no_kind_known_is_skipped(nodes: str, skipped: str) -> None:
+    with pytest.warns(WorldWarning, match=skipped):
+        assert boxes_of(nodes) == []
+
+
+def test_hidden_fields_are_skipped() -> None:
+    text = (
+        "#VRML_SIM R2023b utf8\nRectangleArena { floorSize 1 1 }\n"
+        "E-puck { translation 0.1 0.1 0 hidden position_0_0 1.5 hidden position_0_1 -2 }"
+    )
+    assert parse_webots(text, "w.wbt", "w").starts[0].pose.x == 0.1
+
+
+def test_nodes_used_endlessly_often_are_refused() -> None:
+    lines = ["#VRML_SIM R2023b utf8", "DEF A0 Group { }"]
+    lines += [f"DEF A{n} Group {{ children [ {f'USE A{n - 1} ' * 9} ] }}" for n in range(1, 20)]
+    with pytest.raises(WorldFileError, match=r"more than .* nodes"):
+        parse_webots("\n".join(lines), "w.wbt", "w")
+
+
+def test_what_is_transparent_was_never_seen(tmp_path: Path) -> None:
+    pixels = np.zeros((40, 60, 4), dtype=np.uint8)
+    pixels[1:39, 1:59] = 255
+    pixels[:, 40:, 3] = 0
+    Image.fromarray(pixels, "RGBA").save(tmp_path / "map.png")
+    for mode in ("scale", "Trinary"):
+        path = write_map(tmp_path, drawn_room(), image="map.png", origin="[0, 0, 0]", mode=mode)
+        plan = Plan(find_world(path).shapes)
+        assert plan.clearance(0.7, 0.4) == pytest.approx(0.1, abs=0.005)
+        assert plan.bounds[2] == pytest.approx(0.8, abs=0.05)
+
+
+@pytest.mark.parametrize("word", ["true", "True", "TRUE", "1", "Yes"])
+def test_negate_and_mode_are_read_in_any_case(tmp_path: Path, word: str) -> None:
+    room = 255 - drawn_room()
+    negated = find_world(write_map(tmp_path, room, negate=word, mode="SCALE"))
+    assert negated.shapes == find_world(write_map(tmp_path, 255 - room, mode="scale")).shapes
+
+
+def test_an_image_is_a_regular_file_of_a_possible_name(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.pgm")
+    for image, problem in (
+        ("/dev/zero", "/dev/zero: a device, not a file"),
+        ("pipe.pgm", "pipe.pgm: a pipe, not a file"),
+        ('"a\\0b.pgm"', "holds control characters"),
+        (".", "a folder, not a file"),
+    ):
+        with pytest.raises(WorldFileError, match=rf"map.yaml:1: image: .*{problem}"):
+            find_world(write_map(tmp_path, drawn_room(), image=image))
+
+
+@pytest.mark.parametrize("suffix", [".yaml", ".txt", ".wbt"])
+def test_a_world_file_is_a_regular_file(tmp_path: Path, suffix: str) -> None:
+    os.mkfifo(tmp_path / f"pipe{suffix}")
+    (tmp_path / f"zero{suffix}").symlink_to("/dev/zero")
+    for name, kind in (("pipe", "a pipe"), ("zero", "a device")):
+        with pytest.raises(WorldFileError, match=f"{name}{suffix}: {kind}, not a file"):
+            find_world(tmp_path / f"{name}{suffix}")
+
+
+def png_of(width: int, height: int) -> bytes:
+    """A PNG that says it has so many pixels, in a hundred bytes."""
+    chunks = b""
+    for kind, data in (
+        (b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)),
+        (b"IDAT", zlib.compress(b"\0" * 1000)),
+        (b"IEND", b""),
+    ):
+        chunks += struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    return b"\x89PNG\r\n\x1a\n" + chunks
+
+
+@pytest.mark.parametrize(
+    "data",
+    [png_of(100_000, 100_000), b"P5 100000 100000 255\n", b"P2 9999 9999 255\n1"],
+    ids=["png", "P5", "P2"],
+)
+def test_nothing_is_decoded_of_an_image_that_says_it_is_huge(data: bytes) -> None:
+    tracemalloc.start()
+    try:
+        with pytest.raises(WorldFileError, match="pixels, more than the limit"):
+            parse_bitmap(data, "map.png")
+        assert tracemalloc.get_traced_memory()[1] < 10e6
+    finally:
+        tracemalloc.stop()
+
+
+def test_written_out_pixels_take_no_more_memory_than_raw_ones() -> None:
+    data = b"P2 1000 1000 255\n" + b"7 " * 1_000_000
+    tracemalloc.start()
+    try:
+        assert parse_bitmap(data, "map.pgm").gray[0, 0] == 7 / 255
+        assert tracemalloc.get_traced_memory()[1] < 30e6
+    finally:
+        tracemalloc.stop()
+
+
 def test_an_unknown_kind_of_file_is_named(tmp_path: Path) -> None:
     path = tmp_path / "world.sdf"
     path.write_text("x")
-    with pytest.raises(WorldFileError, match=r"ends in \.yaml"):
+    with pytest.raises(WorldFileError, match=r"ends in one of \.yaml"):
         find_world(path)
