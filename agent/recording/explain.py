@@ -7,8 +7,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from ...world.robot import CONTROL_PERIOD
-from .recorder import RecordedTick, Recording
+from .reader import RecordedTick, Recording
 
+CUT_OFF = "the recording is cut off here"
 _QUIET = ("time",)
 
 
@@ -22,6 +23,8 @@ def timeline(recording: Recording, *, changes_only: bool = False) -> Iterator[st
     for index, ticks in enumerate(recording.others, start=1):
         yield f"robot {index}:"
         yield from _told(ticks, changes_only)
+    if not recording.complete:
+        yield CUT_OFF
 
 
 def _told(recorded: Sequence[RecordedTick], changes_only: bool) -> Iterator[str]:

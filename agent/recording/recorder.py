@@ -1,4 +1,4 @@
-"""Keeps a run in an MCAP file, and reads it back: percepts, images, proposals, commands, events, truth.
+"""Keeps a run in an MCAP file: percepts, images, proposals, commands, events, truth.
 
 Topics: /percept, /image, /proposals, /command, /event, /truth, one JSON object a message, stamped with the
 simulated time; the run's header is the metadata record `tolman`. docs/recordings.md describes the fields.
@@ -8,23 +8,29 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+import logging
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
+from ...files.messages import printable
+from ...files.writing import open_growing
 from ...world.robot import CONTROL_PERIOD, Image, Percept, Pose, Robot, RobotGeometry, WheelCommand
-from ..agent import Agent
-from ..errors import RecordingError
 from ..events import Event
+from ..listener import Listener
 from .codec import dumps
+from .reader import VERSION
 
 if TYPE_CHECKING:
     from mcap.writer import Writer
 
-VERSION = 1
+    from ..agent import Agent
+
+_CHUNK = 1 << 18
+"""Bytes that are packed together: as much may be missing where a run is cut off."""
 _FIELDS: dict[str, dict[str, str]] = {
     "/percept": {"tick": "integer", "infrared": "array", "encoders": "array", "accelerometer": "array"},
     "/image": {
@@ -39,23 +45,26 @@ _FIELDS: dict[str, dict[str, str]] = {
     "/event": {"tick": "integer", "event": "object"},
     "/truth": {"tick": "integer", "x": "number", "y": "number", "heading": "number"},
 }
+_log = logging.getLogger(__name__)
+Truth = Callable[[], Pose]
 
 
 class RecordedRobot:
-    """Stands between an agent and its robot and keeps what passes."""
+    """Stands between an agent and its robot and passes all on, to the recorder too."""
 
     def __init__(
-        self, writer: Writer, agent: Agent, truth: Callable[[], Pose] | None = None, prefix: str = ""
+        self,
+        put: Callable[[str, str, float], None],
+        agent: Agent,
+        truth: Truth | None = None,
+        prefix: str = "",
     ) -> None:
-        """prefix: before the topics of all robots but the first."""
-        self._writer, self._agent, self._robot, self._truth = writer, agent, agent.robot, truth
-        self._channels = {topic: self._register(topic, fields, prefix) for topic, fields in _FIELDS.items()}
-        self._counts = dict.fromkeys(_FIELDS, 0)
+        """put: takes topic, text and simulated time (s). prefix: of the topics, for further robots."""
+        self._put_text, self._agent, self._robot, self._truth = put, agent, agent.robot, truth
+        self._prefix = prefix
         self._tick = -1
         agent.robot = self
         self._subscription = agent.bus.subscribe(Event, self._hear)
-
-    # --- Robot -----------------------------------------------------------------------------------------
 
     @property
     def geometry(self) -> RobotGeometry:
@@ -67,47 +76,26 @@ class RecordedRobot:
         percept = self._robot.sense()
         if percept.tick != self._tick:
             self._tick = percept.tick
-            self._put(
-                "/percept",
-                {
-                    "tick": percept.tick,
-                    "time": percept.time,
-                    "infrared": [float(value) for value in percept.infrared],
-                    "encoders": [float(value) for value in percept.encoders],
-                    "accelerometer": [float(value) for value in percept.accelerometer],
-                },
-            )
+            values = {each.name: _numbers(getattr(percept, each.name)) for each in fields(percept)}
+            self._put("/percept", values)
         return percept
 
     def look(self, width: int = 16, height: int = 16) -> Image:
         """The robot's image, kept."""
         image = self._robot.look(width, height)
         data = base64.b64encode(np.ascontiguousarray(image, dtype="<f4").tobytes()).decode()
-        self._put(
-            "/image",
-            {"tick": self._tick, "width": width, "height": height, "encoding": "32FC1", "data": data},
-        )
+        self._put("/image", {"width": width, "height": height, "encoding": "32FC1", "data": data})
         return image
 
     def act(self, command: WheelCommand) -> None:
         """Passes the command on; keeps it, who drives, what was proposed, and where the robot truly is."""
         self._robot.act(command)
-        agent = self._agent
-        self._put("/proposals", {"tick": self._tick, "proposals": described_proposals(agent)})
-        self._put(
-            "/command",
-            {
-                "tick": self._tick,
-                "left": float(command.left),
-                "right": float(command.right),
-                "driver": agent.driver,
-            },
-        )
+        self._put("/proposals", {"proposals": described_proposals(self._agent)})
+        left, right = float(command.left), float(command.right)
+        self._put("/command", {"left": left, "right": right, "driver": self._agent.driver})
         if self._truth is not None:
             pose = self._truth()
-            self._put("/truth", {"tick": self._tick, "x": pose.x, "y": pose.y, "heading": pose.heading})
-
-    # --- the file --------------------------------------------------------------------------------------
+            self._put("/truth", {"x": pose.x, "y": pose.y, "heading": pose.heading})
 
     def release(self) -> None:
         """Keeps no more; the agent gets its robot back."""
@@ -115,27 +103,22 @@ class RecordedRobot:
         self._agent.robot = self._robot
 
     def _hear(self, event: Event) -> None:
-        self._put_text("/event", f'{{"event":{dumps(event)},"tick":{self._tick}}}')
+        self._put_text(f"{self._prefix}/event", f'{{"event":{dumps(event)},"tick":{self._tick}}}', self._time)
 
     def _put(self, topic: str, value: Mapping[str, Any]) -> None:
-        self._put_text(topic, json.dumps(value, separators=(",", ":")))
+        text = json.dumps({"tick": self._tick, **value}, separators=(",", ":"))
+        self._put_text(self._prefix + topic, text, self._time)
 
-    def _put_text(self, topic: str, text: str) -> None:
-        now = round(max(self._tick, 0) * CONTROL_PERIOD * 1e9)
-        count = self._counts[topic] = self._counts[topic] + 1
-        self._writer.add_message(self._channels[topic], now, text.encode(), now, count)
-
-    def _register(self, topic: str, fields: Mapping[str, str], prefix: str) -> int:
-        properties = {name: {"type": kind} for name, kind in fields.items()}
-        schema = json.dumps({"type": "object", "properties": properties}).encode()
-        schema_id = self._writer.register_schema(f"tolman{topic.replace('/', '.')}", "jsonschema", schema)
-        return self._writer.register_channel(prefix + topic, "json", schema_id)
+    @property
+    def _time(self) -> float:
+        return max(self._tick, 0) * CONTROL_PERIOD
 
 
-class Recorder:
-    """Keeps what passes between agents and their robots in a file. `close` completes it.
+class Recorder(Listener):
+    """Keeps what passes between agents and their robots in a file, from `start` to `close`: a tick listener.
 
-    Attach it to a new agent, before anything is started: what was published before is not in it.
+    Start it with a new agent, before anything else is started: what was published before is not in it. A disk
+    that takes no more ends the recording and nothing else: `outcome` says so, and a line in the log.
     """
 
     def __init__(
@@ -143,36 +126,103 @@ class Recorder:
         path: Path,
         agent: Agent,
         header: Mapping[str, Any],
-        truth: Callable[[], Pose] | None = None,
+        truth: Truth | None = None,
         attachments: Mapping[str, bytes] | None = None,
-        others: Sequence[tuple[Agent, Callable[[], Pose] | None]] = (),
+        others: Sequence[tuple[Agent, Truth | None]] = (),
     ) -> None:
         """header: JSON values that say how the run is made again. truth: the robot's true pose, for `/truth`.
 
         attachments: files the run began with, by name, such as the map of a trip. others: further robots of
         the same world, with their truth; what passes there is under `/robot1`, `/robot2`, ...
         """
+        super().__init__(agent)
+        self._path = path
+        self._agents = [(agent, truth), *others]
+        self._header, self._attachments = header, attachments or {}
+        self._robots: list[RecordedRobot] = []
+        self._counts: dict[str, int] = {}
+        self._channels: dict[str, int] = {}
+        self._file: BinaryIO | None = None
+        self._flushed = 0
+
+    def start(self) -> None:
+        """Opens the file and begins. Raises: FileError where no file can be written."""
         from mcap.writer import CompressionType, Writer
 
-        self._file = path.open("wb")
-        self._writer = writer = Writer(self._file, compression=CompressionType.ZSTD)
-        writer.start(profile="tolman", library="tolman")
-        self._robots = [RecordedRobot(writer, agent, truth)]
-        for name, content in (attachments or {}).items():
-            writer.add_attachment(0, 0, name, "application/octet-stream", content)
-        writer.add_metadata("tolman", {"version": str(VERSION), "header": json.dumps(header, sort_keys=True)})
-        for index, (other, its_truth) in enumerate(others, start=1):
-            self._robots.append(RecordedRobot(writer, other, its_truth, f"/robot{index}"))
-        self._closed = False
+        self._file = open_growing(self._path, replace=True)
+        self._writer: Writer = Writer(
+            self._file, _CHUNK, compression=CompressionType.ZSTD, enable_data_crcs=True
+        )
+        self._try(self._begin)
+        for index, (agent, truth) in enumerate(self._agents):
+            self._robots.append(RecordedRobot(self._put, agent, truth, f"/robot{index}" if index else ""))
+
+    def stop(self, reason: str = "cancelled") -> None:
+        """Completes the file."""
+        if self.outcome is None and self._file is not None:
+            self.finish(True, self._path, reason)
+
+    def finish(self, succeeded: bool, result: Any = None, reason: str = "") -> None:
+        """Writes the index and closes the file; the agents get their robots back."""
+        for robot in self._robots:
+            robot.release()
+        super().finish(succeeded, result, reason)
+        file, self._file = self._file, None
+        if file is not None:
+            if succeeded:
+                self._try(self._writer.finish)
+            self._try(file.close)
 
     def close(self) -> None:
-        """Writes the index and closes the file; the agents get their robots back. Twice does no harm."""
-        if not self._closed:
-            self._closed = True
-            for robot in self._robots:
-                robot.release()
-            self._writer.finish()  # type: ignore[no-untyped-call]
-            self._file.close()
+        """Completes the file. Twice does no harm."""
+        self.stop("")
+        super().close()
+
+    def _begin(self) -> None:
+        writer = self._writer
+        writer.start(profile="tolman", library="tolman")
+        header = {"version": str(VERSION), "header": json.dumps(self._header, sort_keys=True)}
+        writer.add_metadata("tolman", header)
+        for name, content in self._attachments.items():
+            writer.add_attachment(0, 0, name, "application/octet-stream", content)
+        for index in range(len(self._agents)):
+            for topic, kinds in _FIELDS.items():
+                self._register(f"/robot{index}{topic}" if index else topic, topic, kinds)
+
+    def _register(self, name: str, topic: str, kinds: Mapping[str, str]) -> None:
+        properties = {each: {"type": kind} for each, kind in kinds.items()}
+        schema = json.dumps({"type": "object", "properties": properties}).encode()
+        number = self._writer.register_schema(f"tolman{topic.replace('/', '.')}", "jsonschema", schema)
+        self._channels[name] = self._writer.register_channel(name, "json", number)
+
+    def _put(self, topic: str, text: str, time: float) -> None:
+        if self._file is None:
+            return
+        now = round(time * 1e9)
+        count = self._counts[topic] = self._counts.get(topic, 0) + 1
+        self._try(lambda: self._writer.add_message(self._channels[topic], now, text.encode(), now, count))
+
+    def _try(self, write: Callable[[], None]) -> None:
+        """Writes and hands over to the system what a run that is cut off must not lose."""
+        try:
+            write()
+            if self._file is not None and self._file.tell() != self._flushed:
+                self._file.flush()
+                self._flushed = self._file.tell()
+        except OSError as fault:
+            if self.outcome is None or self.outcome.succeeded:
+                reason = f"{printable(str(self._path))}: recording ended: {fault.strerror or fault}"
+                _log.error("%s; the run goes on without it", reason)
+                self.finish(False, reason=reason)
+
+
+def _numbers(value: Any) -> Any:
+    """What a percept holds as JSON's own types: numbers, lists of them, such by name."""
+    if isinstance(value, Mapping):
+        return {str(name): _numbers(each) for name, each in value.items()}
+    if isinstance(value, tuple | list | np.ndarray):
+        return [_numbers(each) for each in value]
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def described_proposals(agent: Agent) -> list[list[Any]]:
@@ -188,119 +238,6 @@ def described_proposals(agent: Agent) -> list[list[Any]]:
         ]
         for name, priority, proposal in agent.proposals
     ]
-
-
-@dataclass(slots=True)
-class RecordedTick:
-    """All that was kept of one tick, as it stands in the file."""
-
-    percept: Percept
-    images: list[Image] = field(default_factory=list)
-    proposals: list[Any] = field(default_factory=list)
-    command: WheelCommand | None = None
-    driver: str | None = None
-    events: list[str] = field(default_factory=list)
-    truth: Pose | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Recording:
-    """A recorded run. early: events from before the first tick, as text.
-
-    ticks: of the first robot; others: of the world's further ones, in order.
-    """
-
-    header: Mapping[str, Any]
-    ticks: list[RecordedTick]
-    attachments: Mapping[str, bytes]
-    early: list[str]
-    others: tuple[list[RecordedTick], ...] = ()
-
-
-def read_recording(path: Path) -> Recording:
-    """Reads a whole recording. Raises: RecordingError if it is none or damaged."""
-    if not path.is_file():
-        raise RecordingError(f"{path}: there is no such recording")
-    try:
-        return _read(path)
-    except RecordingError:
-        raise
-    except Exception as fault:  # the library raises whatever a damaged file leads it to
-        raise RecordingError(f"{path}: not a whole recording ({type(fault).__name__}: {fault})") from fault
-
-
-def read_percepts(path: Path) -> list[Percept]:
-    """The percepts of a recording, in order: what a scripted robot plays. Raises: RecordingError."""
-    return [tick.percept for tick in read_recording(path).ticks]
-
-
-def _read(path: Path) -> Recording:
-    from mcap.reader import make_reader
-
-    with path.open("rb") as file:
-        reader = make_reader(file, validate_crcs=True)
-        header = _header(path, {record.name: record.metadata for record in reader.iter_metadata()})
-        attachments = {record.name: record.data for record in reader.iter_attachments()}
-        ticks: list[RecordedTick] = []
-        early: list[str] = []
-        others: dict[int, list[RecordedTick]] = {}
-        for topic, text in _messages(reader):
-            if topic.startswith("/robot"):
-                index, _, rest = topic.removeprefix("/robot").partition("/")
-                _take(others.setdefault(int(index), []), f"/{rest}", json.loads(text))
-                continue
-            value = json.loads(text)
-            if not ticks and topic != "/percept":
-                early.append(text)
-            else:
-                _take(ticks, topic, value)
-        return Recording(header, ticks, attachments, early, tuple(others[index] for index in sorted(others)))
-
-
-def _take(ticks: list[RecordedTick], topic: str, value: Mapping[str, Any]) -> None:
-    """Adds a message to the ticks of its robot."""
-    if topic == "/percept":
-        ticks.append(RecordedTick(_percept(value)))
-    elif ticks:
-        _fill(ticks[-1], topic, value)
-
-
-def _messages(reader: Any) -> Iterator[tuple[str, str]]:
-    for _, channel, message in reader.iter_messages(log_time_order=False):
-        yield channel.topic, message.data.decode()
-
-
-def _header(path: Path, metadata: Mapping[str, Mapping[str, str]]) -> Mapping[str, Any]:
-    if "tolman" not in metadata:
-        raise RecordingError(f"{path}: an MCAP file, but not a recording of tolman")
-    record = metadata["tolman"]
-    if record.get("version") != str(VERSION):
-        raise RecordingError(
-            f"{path}: a recording of version {record.get('version')}; this tolman reads {VERSION}"
-        )
-    header: Mapping[str, Any] = json.loads(record["header"])
-    return header
-
-
-def _percept(value: Mapping[str, Any]) -> Percept:
-    left, right = value["encoders"]
-    x, y, z = value["accelerometer"]
-    return Percept(value["tick"], value["time"], tuple(value["infrared"]), (left, right), (x, y, z))
-
-
-def _fill(tick: RecordedTick, topic: str, value: Mapping[str, Any]) -> None:
-    if topic == "/image":
-        pixels = np.frombuffer(base64.b64decode(value["data"]), dtype="<f4")
-        tick.images.append(pixels.reshape(value["height"], value["width"]).astype(np.float32))
-    elif topic == "/proposals":
-        tick.proposals = value["proposals"]
-    elif topic == "/command":
-        tick.command = WheelCommand(value["left"], value["right"])
-        tick.driver = value["driver"]
-    elif topic == "/event":
-        tick.events.append(json.dumps(value["event"], separators=(",", ":"), sort_keys=True))
-    elif topic == "/truth":
-        tick.truth = Pose(value["x"], value["y"], value["heading"])
 
 
 _: type[Robot] = RecordedRobot  # what keeps what a robot does is one

@@ -8,14 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...world.robot import CONTROL_PERIOD, EPUCK, EPUCK2, Image, Percept, Pose, RobotGeometry, WheelCommand
-from ..agent import Agent
 from ..errors import RecordingError
 from ..events import Event
 from .codec import dumps
-from .recorder import RecordedTick, Recording, described_proposals
+from .reader import RecordedTick, Recording
+from .recorder import described_proposals
+
+if TYPE_CHECKING:
+    from ..agent import Agent
 
 _GEOMETRIES = {geometry.name: geometry for geometry in (EPUCK, EPUCK2)}
 

@@ -75,6 +75,6 @@ def kinematic_world() -> Iterator[Callable[..., Any]]:
 @pytest.fixture
 def recorded_percepts() -> Callable[[Path], list[Percept]]:
     """The percepts of a recorded run, in order: `scripted_robot(recorded_percepts(path))`."""
-    from ...agent.recording.recorder import read_percepts
+    from ...agent.recording.reader import read_percepts
 
     return read_percepts

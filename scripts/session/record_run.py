@@ -48,6 +48,7 @@ def recorded(
     truths = [partial(world.true_pose, index) for index in range(len(world.robots))]
     further = list(zip(others, truths[1:], strict=False))
     recorder = Recorder(path, agent, header, truths[0], attachments, further)
+    recorder.start()
     try:
         yield
     finally:

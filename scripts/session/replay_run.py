@@ -11,7 +11,7 @@ from typing import Any, cast
 from ...agent.errors import RecordingError
 from ...agent.missions.journal import Journal
 from ...agent.missions.mission import Mission
-from ...agent.recording.recorder import Recording, read_recording
+from ...agent.recording.reader import Recording, read_recording
 from ...agent.recording.replay import Difference, ReplayEnded, ReplayWorld
 from ...maps.hybrid_map import HybridMap
 from ...maps.storage.map_file import read_truth

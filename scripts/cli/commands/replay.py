@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from ....agent.recording.explain import timeline
-from ....agent.recording.recorder import read_recording
+from ....agent.recording.reader import read_recording
 from ..command import Command
 from ..options import add_json
 from ..output import print_json, stdout_to_stderr

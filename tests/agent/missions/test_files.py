@@ -173,7 +173,7 @@ def test_numbers_of_numpy_are_numbers() -> None:
         ("a.py", "import nothing_of_that_name", "reading it raised ModuleNotFoundError"),
         ("a.py", "def mission(): return 5", "define a generator function"),
         ("a.py", "def mission(robot):\n    yield", "must take no arguments"),
-        ("a.yaml", "", "the file is empty"),
+        ("a.yaml", "", "give `steps:`"),
         ("a.yaml", "steps: [say: a]\nsteps: [say: b]", "a.yaml:2: steps: this key appears twice"),
         ("a.yaml", "mission: x", "the key 'steps' is missing"),
         ("a.txt", "", "ends in .py"),

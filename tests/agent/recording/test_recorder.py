@@ -1,19 +1,27 @@
 from __future__ import annotations
 
 import contextlib
+import errno
+import io
+import os
 from enum import Enum
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from mcap.writer import CompressionType, Writer
 from tolman.agent import Agent, Behavior, Context, Proposal, Transition
 from tolman.agent.errors import CodecError, RecordingError
 from tolman.agent.events import Event, PluginEvent
 from tolman.agent.goals import Follow, FollowFrom
+from tolman.agent.listener import Outcome
 from tolman.agent.recording.codec import dumps, loads
-from tolman.agent.recording.recorder import Recorder, read_percepts, read_recording
+from tolman.agent.recording.explain import timeline
+from tolman.agent.recording.reader import percept_of, read_percepts, read_recording
+from tolman.agent.recording.recorder import Recorder
 from tolman.agent.recording.replay import ReplayEnded, ReplayRobot, ReplayWorld
 from tolman.plugins.testing import ScriptedRobot, percept
 from tolman.world.robot import STOP, Pose, WheelCommand
@@ -42,18 +50,21 @@ class Curious(Behavior):
         return Proposal(WheelCommand(speed, -speed), 0.5, "curious")
 
 
-def record(path: Path, ticks: int = 40, truth: bool = True) -> None:
+def record(path: Path, ticks: int = 40, truth: bool = True) -> Recorder:
     rng = np.random.default_rng(5)
     percepts = [percept(right=float(rng.uniform(0.0, 0.07)), tick=tick) for tick in range(ticks)]
     robot = ScriptedRobot(percepts, image=rng.random((16, 16), dtype=np.float32))
     agent = Agent(robot, [Curious()])
     poses = (lambda: Pose(len(robot.commands) * 0.1, 1.0 / 3.0, -0.5)) if truth else None
     recorder = Recorder(path, agent, {"seed": 0, "note": "ä"}, poses, {"map": b"\x00\x01"})
+    recorder.start()
     agent.start("curious")
     for _ in range(ticks):
         agent.tick()
     recorder.close()
     recorder.close()
+    assert agent.robot is robot
+    return recorder
 
 
 def replayed(path: Path, behavior: Behavior) -> ReplayRobot:
@@ -138,7 +149,7 @@ def test_the_same_run_gives_the_same_bytes(tmp_path: Path) -> None:
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
 
 
-@pytest.mark.parametrize("damage", [lambda data: data[:-200], lambda data: b"rubbish", lambda data: b""])
+@pytest.mark.parametrize("damage", [lambda data: data[:60], lambda data: b"rubbish", lambda data: b""])
 def test_a_damaged_recording_is_refused_by_name(tmp_path: Path, damage: object) -> None:
     path = tmp_path / "run.mcap"
     record(path)
@@ -147,18 +158,101 @@ def test_a_damaged_recording_is_refused_by_name(tmp_path: Path, damage: object) 
         read_recording(path)
 
 
-def test_a_flipped_bit_in_a_recording_is_noticed(tmp_path: Path) -> None:
+def test_a_flipped_bit_anywhere_in_what_a_recording_holds_is_noticed(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     record(path)
-    data = bytearray(path.read_bytes())
-    data[len(data) // 3] ^= 0x10
-    path.write_bytes(bytes(data))
-    with pytest.raises(RecordingError):
+    data = path.read_bytes()
+    for place in range(8, data.index(b"\x0f", len(data) // 2), 97):
+        flipped = bytearray(data)
+        flipped[place] ^= 0x10
+        path.write_bytes(bytes(flipped))
+        with contextlib.suppress(RecordingError):
+            assert not read_recording(path).complete, place
+
+
+def test_a_recording_that_is_cut_off_is_read_as_far_as_it_goes(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    record(path, ticks=1500)
+    data, whole = path.read_bytes(), read_recording(path)
+    assert whole.complete
+    assert len(whole.ticks) == 1500
+    path.write_bytes(data[: len(data) // 2])
+    half = read_recording(path)
+    assert not half.complete
+    assert 100 < len(half.ticks) < 1400
+    assert [tick.events for tick in half.ticks[:-1]] == [
+        tick.events for tick in whole.ticks[: len(half.ticks) - 1]
+    ]
+    assert list(timeline(half))[-1] == "the recording is cut off here"
+    assert replayed(path, Curious()).difference is None
+
+
+class Full(io.FileIO):
+    """A disk that takes 100,000 bytes."""
+
+    left = 100_000
+
+    def write(self, data: Any) -> int:
+        self.left -= len(data)
+        if self.left < 0:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return super().write(data)
+
+
+def test_a_full_disk_ends_the_recording_and_not_the_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    path = tmp_path / "run.mcap"
+    monkeypatch.setattr(
+        "tolman.agent.recording.recorder.open_growing",
+        lambda path, replace: io.BufferedWriter(Full(path, "wb")),
+    )
+    recorder = record(path, ticks=1500)
+    said = f"{path}: recording ended: No space left on device"
+    assert recorder.outcome == Outcome(False, reason=said)
+    assert caplog.messages == [f"{said}; the run goes on without it"]
+    half = read_recording(path)
+    assert not half.complete
+    assert 0 < len(half.ticks) < 1500
+
+
+def write_mcap(path: Path, header: str, messages: bytes = b"") -> None:
+    """A recording with this header and what a chunk holds, made by hand."""
+    with path.open("wb") as file:
+        writer = Writer(file, compression=CompressionType.ZSTD)
+        writer.start()
+        writer.add_metadata("tolman", {"version": "1", "header": header})
+        number = writer.register_channel("/event", "json", writer.register_schema("x", "jsonschema", b"{}"))
+        writer.add_message(number, 0, messages, 0)
+        writer.finish()  # type: ignore[no-untyped-call]
+
+
+@pytest.mark.parametrize("header", ["", "{", "[]", "3", '"x"', "[" * 100_000, "\x00"])
+def test_a_broken_header_is_one_line(tmp_path: Path, header: str) -> None:
+    path = tmp_path / "run.mcap"
+    write_mcap(path, header)
+    with pytest.raises(RecordingError, match=r"run\.mcap: its header is ") as caught:
+        read_recording(path)
+    assert len(str(caught.value)) < 300
+
+
+def test_what_unpacks_to_many_times_its_size_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "run.mcap"
+    monkeypatch.setattr("tolman.agent.recording.reader.MAX_UNPACKED", 1_000_000)
+    write_mcap(path, "{}", b" " * 20_000_000)
+    with pytest.raises(RecordingError, match="it unpacks to more than ten times its size"):
         read_recording(path)
 
 
+def test_a_percept_with_what_is_not_known_here_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match=r"percepts with 'smell'; known: .*infrared"):
+        percept_of({"tick": 1, "time": 0.0, "infrared": [], "encoders": [0, 0], "smell": 1})
+
+
 def test_a_missing_recording_is_named(tmp_path: Path) -> None:
-    with pytest.raises(RecordingError, match="there is no such recording"):
+    with pytest.raises(RecordingError, match="there is no such file"):
         read_recording(tmp_path / "none")
 
 

@@ -11,7 +11,7 @@ from tolman.agent.missions.dry_run import dry_run
 from tolman.agent.missions.journal import Journal
 from tolman.agent.missions.mission import Mission
 from tolman.agent.recording.explain import timeline
-from tolman.agent.recording.recorder import read_recording
+from tolman.agent.recording.reader import read_recording
 from tolman.agent.recording.replay import ReplayEnded, ReplayWorld
 from tolman.maps.hybrid_map import HybridMap
 from tolman.maps.storage.map_file import read_truth

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from tolman.agent.errors import RecordingError
-from tolman.agent.recording.recorder import read_recording
+from tolman.agent.recording.reader import read_recording
 from tolman.maps.hybrid_map import HybridMap
 from tolman.maps.storage.map_file import read_truth
 from tolman.scripts.cli.program import execute
@@ -121,9 +121,9 @@ def test_a_file_that_is_no_recording_is_bad_input(
     run: MapRequest, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert execute(["explain", str(run.output)]) == 2
-    assert "not a whole recording" in capsys.readouterr().err
+    assert "not a recording: it is no MCAP file" in capsys.readouterr().err
     assert execute(["replay", "nowhere.mcap"]) == 2
-    assert "nowhere.mcap: there is no such recording" in capsys.readouterr().err
+    assert "nowhere.mcap: there is no such file" in capsys.readouterr().err
 
 
 def test_a_recording_of_another_world_of_that_name_is_refused(
