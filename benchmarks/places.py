@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from tolman.world import Pose, World, WorldSpec, open_world
+from tolman.world.geometry import Plan, cast
 from tolman.world.robot import EPUCK
 from tolman.world.spec import Cylinder, Shape, Start, Wall
 
@@ -25,14 +26,13 @@ NOISE = 0.002
 """Standard deviation (m) of where the robot believes a sample was taken."""
 
 Floats = NDArray[np.float64]
-Point = tuple[float, float] | Floats
 
 
 @dataclass(frozen=True, slots=True)
 class PlaceSamples:
     """What was sampled around one place. positions: (n, 2) m, views: (k, 4, 16, 16) at (k, 2) m; room frame.
 
-    shapes: what stands in the room. kind: one of KINDS.
+    plan: of what stands in the room. kind: one of KINDS.
     """
 
     kind: str
@@ -40,7 +40,7 @@ class PlaceSamples:
     positions: Floats
     view_positions: Floats
     views: Floats
-    shapes: tuple[Shape, ...]
+    plan: Plan
 
     def local(self, positions: Floats) -> Floats:
         """Positions (n, 2) m around the place."""
@@ -62,7 +62,7 @@ def sample_place(seed: int) -> PlaceSamples:
     finally:
         world.close()
     believed = places + rng.normal(0.0, NOISE, places.shape)
-    return PlaceSamples(kind, (x, y), believed, believed[::VIEW_EVERY], views, spec.shapes)
+    return PlaceSamples(kind, (x, y), believed, believed[::VIEW_EVERY], views, Plan(spec.shapes))
 
 
 def _walls() -> tuple[Wall, ...]:
@@ -123,25 +123,8 @@ def _panorama(world: World, x: float, y: float) -> Floats:
     return np.array(views, dtype=np.float64)
 
 
-def inside(shape: Shape, x: float, y: float) -> bool:
-    """Whether a point (m) lies in a shape's outline."""
-    corners = shape.outline()
-    crossed = False
-    for (ax, ay), (bx, by) in zip(corners, [*corners[1:], corners[0]], strict=True):
-        if (ay > y) != (by > y) and x < (bx - ax) * (y - ay) / (by - ay) + ax:
-            crossed = not crossed
-    return crossed
-
-
-def crosses(shape: Shape, start: Floats, end: Floats) -> bool:
-    """Whether the segment from start to end, (2,) m, crosses a shape's outline."""
-    corners = shape.outline()
-    return any(
-        _turn(a, b, start) * _turn(a, b, end) < 0.0 and _turn(start, end, a) * _turn(start, end, b) < 0.0
-        for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)
-    )
-
-
-def _turn(a: Point, b: Point, c: Point) -> float:
-    """Twice the area of the triangle, positive when it turns left."""
-    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+def crosses(plan: Plan, start: Floats, end: Floats) -> bool:
+    """Whether the segment from start to end, (2,) m, crosses a wall."""
+    away = end - start
+    length = float(np.hypot(*away))
+    return bool(cast(start[None], away[None] / length, plan.segments)[0] < length)

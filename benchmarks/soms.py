@@ -16,7 +16,7 @@ from tolman.maps.som.som import SOM
 
 from .figures import Figure
 from .figures import median_seconds as median_of
-from .places import KINDS, PlaceSamples, crosses, inside, sample_place
+from .places import KINDS, PlaceSamples, crosses, sample_place
 
 PLACES = 30
 SIZE = 0.25
@@ -127,9 +127,9 @@ def _free_space(places: Sequence[PlaceSamples]) -> Iterator[Figure]:
         units = local.metric.weights + np.array(place.center)
         for i, j in local.edges.tolist():
             edges[place.kind] += 1
-            crossing[place.kind] += any(crosses(shape, units[i], units[j]) for shape in place.shapes)
+            crossing[place.kind] += crosses(place.plan, units[i], units[j])
         for unit in np.flatnonzero(local.hits > 0).tolist():
-            buried += any(inside(shape, *map(float, units[unit])) for shape in place.shapes)
+            buried += place.plan.contains(*map(float, units[unit]))
         parts += not _connected(local)
     yield Figure(f"free space, {len(places)} places: hit units in an obstacle", buried, "", 0)
     thin = [kind for kind in KINDS if "thin" in kind]

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from tolman.maps.local.local_map import LocalMap
+from tolman.world.geometry import Plan
 from tolman.world.spec import Wall
 
 from benchmarks.figures import Figure, report
-from benchmarks.places import KINDS, crosses, inside, sample_place
+from benchmarks.places import KINDS, crosses, sample_place
 
 
 @pytest.mark.parametrize("seed", range(len(KINDS)))
@@ -15,7 +16,7 @@ def test_places_are_sampled_where_the_body_fits_and_repeat(seed: int) -> None:
     assert np.array_equal(place.positions, sample_place(seed).positions)
     assert np.abs(place.local(place.positions)).max() < 0.12
     assert place.views.shape == (len(place.view_positions), 4, 16, 16)
-    assert not any(inside(shape, *spot) for shape in place.shapes for spot in place.positions.tolist())
+    assert not any(place.plan.contains(*spot) for spot in place.positions.tolist())
     steps = np.linalg.norm(np.diff(place.positions, axis=0), axis=1)
     assert np.median(steps) < 0.025
 
@@ -24,13 +25,11 @@ def test_free_space_beside_a_thin_wall_keeps_to_either_side_of_it() -> None:
     place = sample_place(KINDS.index("two thin walls"))
     local = LocalMap.build(place.local(place.positions))
     units = local.metric.weights + np.array(place.center)
-    assert not any(
-        crosses(shape, units[i], units[j]) for shape in place.shapes for i, j in local.edges.tolist()
-    )
+    assert not any(crosses(place.plan, units[i], units[j]) for i, j in local.edges.tolist())
 
 
 def test_a_segment_crosses_a_wall_or_passes_its_end() -> None:
-    wall = Wall((0.0, 0.0), (1.0, 0.0), 0.01)
+    wall = Plan([Wall((0.0, 0.0), (1.0, 0.0), 0.01)])
     assert crosses(wall, np.array([0.5, -0.1]), np.array([0.5, 0.1]))
     assert not crosses(wall, np.array([1.5, -0.1]), np.array([1.5, 0.1]))
 

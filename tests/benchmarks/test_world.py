@@ -24,7 +24,7 @@ def test_the_benchmark_measures_every_part_beside_raw_dart(tmp_path: Path) -> No
         assert shares["physics"] > 0.0
         assert shares["behaviors"] > 0.0
     assert "whole step / raw DART loop" in done.stdout
-    assert [row for row in figures["targets"] if row[0].startswith("1000 boxes")]
+    assert [row for row in figures["targets"] if row["name"].startswith("1000 boxes")]
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""Torments map files: `python -m tools.torture kills|mutations|full|readonly|pairs|all`.
+"""Stresses map files: `python -m tools.torture kills|mutations|full|readonly|pairs|all`.
 
 Exit status 1 on a fault. POSIX only.
 

@@ -9,11 +9,12 @@ import signal
 import sys
 from collections import Counter
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from tolman.maps import HybridMap, MapError, MapFile, recover
 
-from .kills import void
+from .children import in_child
 from .maps import map_made_up_world
 
 
@@ -22,26 +23,7 @@ def full(folder: Path, sizes: range = range(150_000, 1_200_000, 70_000)) -> Coun
     result: Counter[str] = Counter()
     for size in sizes:
         path = folder / f"full-{size}.tolman"
-        reading, writing = os.pipe()
-        child = os.fork()
-        if child == 0:
-            os.close(reading)
-            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-            resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
-            told = [-1]
-            try:
-                map_made_up_world(path, 12, 0, lambda node, told=told: void(told.append(node)))  # type: ignore[misc]
-                text = "finished"
-            except MapError as error:
-                text = f"clear: {error}" if "\n" not in str(error) else "unclear"
-            except BaseException as error:
-                text = f"unclear: {error!r}"
-            os.write(writing, f"{max(told)} {text}".encode())
-            os._exit(0)
-        os.close(writing)
-        with os.fdopen(reading) as lines:
-            number, _, text = lines.read().partition(" ")
-        os.waitpid(child, 0)
+        number, _, text = in_child(partial(_map_on_full_disk, path, size))[0].decode().partition(" ")
         result["runs"] += 1
         result["ended with a clear error"] += text.startswith("clear")
         if text.startswith("unclear"):
@@ -53,6 +35,21 @@ def full(folder: Path, sizes: range = range(150_000, 1_200_000, 70_000)) -> Coun
             map_made_up_world(path, 12, 0, resume=True)
             result["resumed when there was room"] += 1
     return result
+
+
+def _map_on_full_disk(path: Path, size: int, tell: Callable[[bytes], object]) -> None:
+    """Maps where no file may grow beyond `size` bytes; tells the last node reported, and how it ended."""
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+    saved = [-1]
+    try:
+        map_made_up_world(path, 12, 0, saved.append)
+        text = "finished"
+    except MapError as error:
+        text = f"clear: {error}" if "\n" not in str(error) else "unclear"
+    except BaseException as error:
+        text = f"unclear: {error!r}"
+    tell(f"{max(saved)} {text}".encode())
 
 
 NOBODY = 65534
@@ -95,22 +92,17 @@ def _as_nobody(
     folder: Path, shut: Path, attempts: dict[str, Callable[[], object]], sealed: Path
 ) -> dict[str, str]:
     """What each attempt ended with in a child that may read the folder but not write it."""
-    reading, writing = os.pipe()
-    folder.chmod(0o755)
-    shut.chmod(0o555)
-    child = os.fork()
-    if child == 0:
-        os.close(reading)
+
+    def work(tell: Callable[[bytes], object]) -> None:
         if os.geteuid() == 0:
             os.setuid(NOBODY)
         told = {name: _ending(attempt) for name, attempt in attempts.items()}
         told["read"] = _ending(lambda: f"{len(HybridMap.load(sealed).graph)} nodes")
-        os.write(writing, json.dumps(told).encode())
-        os._exit(0)
-    os.close(writing)
-    with os.fdopen(reading) as lines:
-        text = lines.read()
-    os.waitpid(child, 0)
+        tell(json.dumps(told).encode())
+
+    folder.chmod(0o755)
+    shut.chmod(0o555)
+    text, _ = in_child(work)
     shut.chmod(0o755)
     found: dict[str, str] = json.loads(text)
     return found

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import signal
 import sys
 import time
 from collections import Counter
@@ -13,6 +11,7 @@ import numpy as np
 from tolman.maps import HybridMap, MapError
 from tolman.maps.storage.records import pack_local_map
 
+from .children import in_child
 from .maps import map_made_up_world
 
 
@@ -40,27 +39,10 @@ def kills(count: int, seed: int, folder: Path, resumed: int = 50, nodes: int = 4
 
 def _map_and_kill(path: Path, nodes: int, after: float) -> int:
     """Runs the mapping in a child and kills it after some seconds: the last node it reported, -2 for none."""
-    reading, writing = os.pipe()
-    child = os.fork()
-    if child == 0:
-        os.close(reading)
-        try:
-            map_made_up_world(path, nodes, 0, lambda node: void(os.write(writing, bytes([node + 1]))))
-        finally:
-            os._exit(0)
-    os.close(writing)
-    time.sleep(after)
-    os.kill(child, signal.SIGKILL)
-    os.waitpid(child, 0)
-    told = b""
-    while part := os.read(reading, 4096):
-        told += part
-    os.close(reading)
+    told, _ = in_child(
+        lambda tell: map_made_up_world(path, nodes, 0, lambda node: tell(bytes([node + 1]))), after
+    )
     return told[-1] - 1 if told else -2
-
-
-def void(_: object) -> None:
-    """Takes a value and gives none."""
 
 
 def _judge(path: Path, reported: int, wanted: HybridMap, result: Counter[str]) -> None:

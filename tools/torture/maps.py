@@ -22,7 +22,7 @@ def local_map(rng: np.random.Generator, views: int = 8) -> LocalMap:
 
 
 def map_made_up_world(
-    path: Path, nodes: int, seed: int, saved: Callable[[int], None] = lambda _: None, resume: bool = False
+    path: Path, nodes: int, seed: int, saved: Callable[[int], object] = lambda _: None, resume: bool = False
 ) -> None:
     """Maps a ring of made-up nodes into a file, or goes on with one; calls saved(node) after each commit."""
     file = (

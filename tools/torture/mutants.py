@@ -13,17 +13,14 @@ from tolman.maps.storage.schema import CURRENT
 
 BYTES = ("truncate", "extend", "flip", "flip few", "overwrite", "zero", "swap pages", "header", "double page")
 ROWS = ("swap values", "set value", "delete row", "copy tensor", "swap tensors", "flip tensor", "digest")
-CRAFTED = (
-    "huge tensor",
-    "huge lattice",
-    "deep json",
-    "infinite",
-    "dangling",
-    "view",
-    "check",
-    "trigger",
-    "blob",
-)
+SQL = {
+    "view": "CREATE VIEW meta AS WITH RECURSIVE t(key) AS (SELECT 1 UNION ALL SELECT key FROM t)"
+    " SELECT key, key AS value, key AS hash FROM t",
+    "check": "CREATE TABLE meta (key TEXT NOT NULL PRIMARY KEY, value TEXT NOT NULL,"
+    " hash INTEGER NOT NULL, CHECK (length(hex(zeroblob(900000000))) > 0)) STRICT, WITHOUT ROWID",
+}
+"""What hostile files say their table `meta` is."""
+CRAFTED = ("huge tensor", "huge lattice", "deep json", "infinite", "dangling", *SQL, "trigger", "blob")
 MUTATIONS = BYTES * 3 + ROWS * 2 + CRAFTED
 
 
@@ -128,27 +125,18 @@ def _crafted_mutant(connection: sqlite3.Connection, name: str, rng: np.random.Ge
         _reset(connection, "arc", '"end"', 99)
     elif name == "blob":
         connection.execute("UPDATE tensors SET data = zeroblob(100000000) WHERE node = 0")
+    elif name == "trigger":
+        connection.execute("CREATE TRIGGER evil AFTER INSERT ON meta BEGIN DELETE FROM node; END")
     else:
-        sql = {
-            "view": "CREATE VIEW meta AS WITH RECURSIVE t(key) AS (SELECT 1 UNION ALL SELECT key FROM t)"
-            " SELECT key, key AS value, key AS hash FROM t",
-            "check": "CREATE TABLE meta (key TEXT NOT NULL PRIMARY KEY, value TEXT NOT NULL,"
-            " hash INTEGER NOT NULL, CHECK (length(hex(zeroblob(900000000))) > 0)) STRICT, WITHOUT ROWID",
-            "trigger": "CREATE TRIGGER evil AFTER INSERT ON meta BEGIN DELETE FROM node; END",
-        }[name]
-        if name == "trigger":
-            connection.execute(sql)
-        else:
-            kind = "view" if name == "view" else "table"
-            root = "0" if name == "view" else "rootpage"
-            connection.execute(
-                f"UPDATE sqlite_master SET type = '{kind}', rootpage = {root}, sql = ? WHERE name = 'meta'",
-                (sql,),
-            )
+        kind, root = ("view", "0") if name == "view" else ("table", "rootpage")
+        connection.execute(
+            f"UPDATE sqlite_master SET type = '{kind}', rootpage = {root}, sql = ? WHERE name = 'meta'",
+            (SQL[name],),
+        )
 
 
 def _reset(connection: sqlite3.Connection, table: str, column: str, value: Any) -> None:
-    """Changes one value of the first row, and mends the row's checksum and the digest."""
+    """Changes one value of the first row, and makes the row's checksum and the digest fit."""
     columns = CURRENT.columns[table]
     row = list(connection.execute(f"SELECT {', '.join(columns)}, hash FROM {table} LIMIT 1").fetchone())
     old = row.pop()

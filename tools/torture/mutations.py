@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import os
 import resource
 import signal
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 from tolman.maps import MapError
 
+from .children import in_child
 from .maps import content_digest, map_made_up_world
 from .mutants import MUTATIONS, mutate
 
@@ -37,22 +38,16 @@ def mutations(count: int, seed: int, folder: Path) -> Counter[str]:
 
 
 def _batch(source: Path, truth: str, numbers: range, seed: int, folder: Path) -> Counter[str]:
-    reading, writing = os.pipe()
-    child = os.fork()
-    if child == 0:
-        os.close(reading)
+    def work(tell: Callable[[bytes], object]) -> None:
         signal.signal(signal.SIGALRM, signal.SIG_DFL)  # so that an alarm kills, also out of C code
-        with os.fdopen(writing, "w") as out:
-            for number in numbers:
-                signal.alarm(PATIENCE)
-                print(_one(source, truth, number, seed, folder), file=out, flush=True)
-        os._exit(0)
-    os.close(writing)
-    with os.fdopen(reading) as lines:
-        result = Counter(line.strip() for line in lines)
-    _, status = os.waitpid(child, 0)
-    if os.WIFSIGNALED(status):
-        result["hangs" if os.WTERMSIG(status) == signal.SIGALRM else "crashes"] += 1
+        for number in numbers:
+            signal.alarm(PATIENCE)
+            tell(f"{_one(source, truth, number, seed, folder)}\n".encode())
+
+    told, killed = in_child(work)
+    result = Counter(line.strip() for line in told.decode().splitlines())
+    if killed:
+        result["hangs" if killed == signal.SIGALRM else "crashes"] += 1
     return result
 
 

@@ -1,4 +1,4 @@
-"""Torments the readers of world files: `python -m tools.torture.worlds [MUTATIONS]`.
+"""Stresses the readers of world files: `python -m tools.torture.worlds [MUTATIONS]`.
 
 POSIX only; exit 1 on a fault. Each reader has a process of its own, whose memory is capped and which is
 killed if one file takes too long. A mutated file must give a world, or one `WorldFileError` of one line.
@@ -51,23 +51,8 @@ DEF B WoodenBox { translation 0.3 0.2 0.05 size 0.2 0.1 0.1 rotation 0 0 1 0.5 }
 Solid { translation -0.4 0.1 0.05 children [ Shape { geometry Cylinder { radius 0.08 height 0.1 } } USE B ] }
 E-puck { translation 0 0 0 }
 """
-WORDS = (
-    b"{",
-    b"}",
-    b"[",
-    b"]",
-    b"-",
-    b"1e309",
-    b"nan",
-    b"*a",
-    b"&a",
-    b"999999999",
-    b"\x00",
-    b"\xff",
-    b": ",
-    b"\n",
-    b"'",
-)
+WORDS = [b"{", b"}", b"[", b"]", b"-", b"1e309", b"nan", b"*a", b"&a", b"999999999", b"\x00", b"\xff"]
+WORDS += [b": ", b"\n", b"'"]
 
 
 def _text(data: bytes) -> str:
@@ -189,7 +174,7 @@ def campaign(name: str, mutations: int) -> tuple[int, list[str], int]:
 
 
 def main() -> int:
-    """Torments every reader and prints what happened."""
+    """Stresses every reader and prints what happened."""
     parser = argparse.ArgumentParser(prog="torture.worlds", description=__doc__)
     parser.add_argument("mutations", type=int, nargs="?", default=10_000)
     mutations: int = parser.parse_args().mutations

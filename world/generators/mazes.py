@@ -14,13 +14,13 @@ Doors = set[tuple[Cell, Cell]]
 def tree_maze(rng: np.random.Generator) -> WorldSpec:
     """A maze of 4 x 4 to 7 x 7 cells in which there is one way from each cell to each other."""
     columns, rows = (int(size) for size in rng.integers(4, 8, 2))
-    return _world(_tree(columns, rows, rng), columns, rows, "a maze without loops")
+    return _world(spanning_tree(columns, rows, rng), columns, rows, "a maze without loops")
 
 
 def braided_maze(rng: np.random.Generator) -> WorldSpec:
     """A maze of 5 x 5 to 8 x 8 cells in which a third of the dead ends are opened: walls stand free."""
     columns, rows = (int(size) for size in rng.integers(5, 9, 2))
-    doors = _tree(columns, rows, rng)
+    doors = spanning_tree(columns, rows, rng)
     _open_dead_ends(doors, columns, rows, 0.6, rng)
     return _world(doors, columns, rows, "a maze with loops")
 
@@ -28,7 +28,7 @@ def braided_maze(rng: np.random.Generator) -> WorldSpec:
 def contest_maze(rng: np.random.Generator) -> WorldSpec:
     """16 x 16 cells, the start in a corner, four open cells in the middle, most dead ends opened."""
     side = 16
-    doors = _tree(side, side, rng)
+    doors = spanning_tree(side, side, rng)
     _open_dead_ends(doors, side, side, 0.5, rng)
     middle = [(x, y) for x in (side // 2 - 1, side // 2) for y in (side // 2 - 1, side // 2)]
     for one in middle:
@@ -36,7 +36,7 @@ def contest_maze(rng: np.random.Generator) -> WorldSpec:
     return _world(doors, side, side, "a maze of the contests' size")
 
 
-def _tree(columns: int, rows: int, rng: np.random.Generator) -> Doors:
+def spanning_tree(columns: int, rows: int, rng: np.random.Generator) -> Doors:
     """The doors of a spanning tree of the cells, by a walk that backs up where it is stuck."""
     doors: Doors = set()
     seen, path = {(0, 0)}, [(0, 0)]

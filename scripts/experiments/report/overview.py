@@ -117,7 +117,7 @@ def _mean_cm(outcome: Outcome, kind: str, name: str, world: str, profile: str) -
 
 def _mean_drift(plan: Plan, outcome: Outcome) -> str:
     """Table 4.3's mean over the environments: the noise preset is to keep it."""
-    published = math.fsum(value or 0.0 for value in PUBLISHED["4.3"].figures["position error, mean"]) / 3
+    published = math.fsum(value or 0.0 for value in PUBLISHED["4.3"].figures["position error"].mean) / 3
     parts = []
     for profile in plan.profiles:
         means = [

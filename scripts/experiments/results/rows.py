@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 from ..campaign.kinds import ENVIRONMENTS
 from ..campaign.plan import Outcome, Plan
 from .published import PUBLISHED
+from .published import Figure as Published
 from .summary import Summary, share, summarize
 from .tables import SCALES, Figure, Runs, Table
 from .targets import TARGETS, Target
@@ -30,17 +31,10 @@ class Measured:
         if self.count is not None:
             low, high = share(self.count, self.runs)[1:] if self.runs else (None, None)
             return {"count": self.count, "runs": self.runs, "low": low, "high": high}
-        found = self.summary
-        if found is None:
+        if self.summary is None:
             return {"runs": 0}
-        return {
-            "runs": found.count,
-            "mean": found.mean,
-            "least": found.least,
-            "worst": found.greatest,
-            "low": found.low,
-            "high": found.high,
-        }
+        values = asdict(self.summary)
+        return {"runs": values.pop("count"), "worst": values.pop("greatest"), **values}
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,15 +52,9 @@ class Row:
 
     def to_json(self) -> dict[str, Any]:
         """Plain values."""
-        return {
-            "figure": self.figure,
-            "unit": self.unit,
-            "environment": self.environment,
+        return asdict(self) | {
             "published": dict(zip(("mean", "least", "greatest"), self.published, strict=True)),
             "measured": {profile: found.to_json() for profile, found in self.measured.items()},
-            "target": self.target,
-            "reached": self.reached,
-            "reproduced": self.reproduced,
         }
 
 
@@ -85,7 +73,8 @@ def _row(table: Table, figure: Figure, plan: Plan, outcome: Outcome, index: int,
         for profile in plan.profiles
         if figure.only in ("", profile)
     }
-    published = _published(table.number, figure.published, index)
+    there = PUBLISHED[table.number].figures.get(figure.published, Published())
+    published = there.mean[index], there.least[index], there.greatest[index]
     target = TARGETS.get((table.number, figure.name), Target())
     text = target.describe(index)
     if figure.wanted is not None:
@@ -100,16 +89,6 @@ def _row(table: Table, figure: Figure, plan: Plan, outcome: Outcome, index: int,
         _reached(measured.get("default"), target, figure.wanted, index) if text else None,
         _reproduced(measured.get("thesis"), *published[1:]),
     )
-
-
-def _published(table: str, name: str, index: int) -> tuple[float | None, float | None, float | None]:
-    """Mean, least and greatest of a published figure in one environment; a single value counts as mean."""
-    figures = PUBLISHED[table].figures if name else {}
-    mean, least, greatest = (
-        figures[part][index] if (part := f"{name}, {end}") in figures else None
-        for end in ("mean", "least", "greatest")
-    )
-    return figures[name][index] if name in figures else mean, least, greatest
 
 
 def _measure(figure: Figure, runs: Runs) -> Measured:

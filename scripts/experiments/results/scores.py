@@ -47,7 +47,7 @@ class Score:
         if target is None or target.mean is None:
             return None
         own = target.mean[environment]
-        there = table.figures[self.published][environment] if table and self.published else None
+        there = table.figures[self.published].mean[environment] if table and self.published else None
         return own if there is None else own + max(0.0, there - own) / 3.0
 
 
@@ -64,7 +64,7 @@ def _ends(runs: Sequence[Result]) -> list[float]:
 
 
 _DEGREES = 180.0 / math.pi
-_POSITION, _HEADING, _END = "position error, mean", "heading error, mean", "distance error, mean"
+_POSITION, _HEADING, _END = "position error", "heading error", "distance error"
 SCORES = (
     Score("map error (cm)", _of_maps("position_error_m"), ("4.6", "position error"), _POSITION),
     Score("after exploring (cm)", _explored(0, 100.0), ("4.5", "position error after exploring"), _POSITION),

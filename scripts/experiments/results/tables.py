@@ -23,9 +23,8 @@ SCALES = {"cm": 100.0, "deg": 180.0 / math.pi, "%": 100.0, "": 1.0}
 class Figure:
     """A row of a table in each environment: a summary of `values`, or how many runs of a kind pass a test.
 
-    published: what its name begins with in the published table (mean, least and greatest follow). wanted: the
-    share of runs that is the target of a count. only: the profile that has it, if not both. percentile:
-    that one of the values, instead of all.
+    published: its name in the published table. wanted: the share of runs that is the target of a count.
+    only: the profile that has it, if not both. percentile: that one of the values, instead of all.
     """
 
     name: str

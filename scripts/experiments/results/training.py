@@ -29,19 +29,20 @@ class TrainingRow:
 
     def to_json(self) -> dict[str, Any]:
         """Plain values; error in mm for metric SOMs, else a Euclidean distance of luminances."""
+        summaries = {
+            "steps": self.steps,
+            "seconds": self.seconds,
+            "quantization_error": self.error,
+            "units_used": self.used,
+        }
         return {
             "configuration": self.configuration,
             "som": self.som,
             "local_maps": self.steps.count,
             "published": self.published,
             **{
-                name: {"mean": found.mean, "least": found.least, "greatest": found.greatest}
-                for name, found in (
-                    ("steps", self.steps),
-                    ("seconds", self.seconds),
-                    ("quantization_error", self.error),
-                    ("units_used", self.used),
-                )
+                name: {end: getattr(of, end) for end in ("mean", "least", "greatest")}
+                for name, of in summaries.items()
             },
         }
 

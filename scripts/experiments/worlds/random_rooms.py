@@ -8,6 +8,7 @@ import numpy as np
 
 from ....world.errors import WorldError
 from ....world.formats.maze import parse_maze
+from ....world.generators.mazes import spanning_tree
 from ....world.spec import Box, Shape, WorldSpec, room_walls
 from ....world.starts import with_starts
 from ....world.transforms import rotated
@@ -74,31 +75,10 @@ def _on_grid(value: float) -> float:
 def _maze(seed: int, rng: np.random.Generator) -> WorldSpec:
     """A maze without loops, its cells as wide as two of the classic contest."""
     columns, rows = (int(value) for value in rng.integers(3, 5, size=2))
-    open_right, open_down = _tree(columns, rows, rng)
+    doors = spanning_tree(columns, rows, rng)
     lines = ["+" + "---+" * columns]
     for y in range(rows):
-        cells = ["   " + (" " if (x, y) in open_right else "|") for x in range(columns)]
-        posts = [("   " if (x, y) in open_down else "---") + "+" for x in range(columns)]
+        cells = ["   " + (" " if ((x, y), (x + 1, y)) in doors else "|") for x in range(columns)]
+        posts = [("   " if ((x, y), (x, y + 1)) in doors else "---") + "+" for x in range(columns)]
         lines += ["|" + "".join(cells), "+" + "".join(posts)]
     return parse_maze("\n".join(lines), f"seed {seed}", f"maze {seed}", 2.0)
-
-
-def _tree(
-    columns: int, rows: int, rng: np.random.Generator
-) -> tuple[set[tuple[int, int]], set[tuple[int, int]]]:
-    """The doors of a spanning tree of the cells: to the right of, and below."""
-    right: set[tuple[int, int]] = set()
-    down: set[tuple[int, int]] = set()
-    seen, path = {(0, 0)}, [(0, 0)]
-    while path:
-        x, y = path[-1]
-        beside = [(x + 1, y), (x - 1, y), (x, y + 1), (x, y - 1)]
-        free = [(u, v) for u, v in beside if 0 <= u < columns and 0 <= v < rows and (u, v) not in seen]
-        if not free:
-            path.pop()
-            continue
-        u, v = free[int(rng.integers(len(free)))]
-        (right if v == y else down).add((min(x, u), min(y, v)))
-        seen.add((u, v))
-        path.append((u, v))
-    return right, down
