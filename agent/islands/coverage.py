@@ -1,17 +1,17 @@
-"""Which forays to make: lines over what a boundary encloses and nothing is known of; links to islands."""
+"""Which crossings to make: lines over what a boundary encloses and nothing is known of."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from ...maps.errors import NoPathError
 from ...world.robot import Pose, wrap_angle
 from ..goals import Crossing
-from ..walls import WALL_DISTANCE
-from .outlines import Chord, Mark, Outline, Point, Sweep, first_hit, outlines, uncovered
+from .outlines import SLANT, Mark, Outline, outlines
+from .sweep import Chord, Sweep, uncovered
 
 if TYPE_CHECKING:
     from ...maps.hybrid_map import HybridMap
@@ -34,14 +34,6 @@ class ScoutConfig:
     tries: int = 2
     near: float = 0.045
     near_slope: float = 0.035
-
-
-_ROOM = {"concave": (0.03, 0.02), "convex": (0.14, 0.085)}
-"""Along an edge (m): the first place to set out from after a corner, and how far before one the last is."""
-_SAME_WALL = 0.35
-"""Radians between the directions of two walls up to which they may be the same."""
-_SLANT = 0.5
-"""Sine of the least angle between a wall and the way that leaves it."""
 
 
 @dataclass(slots=True)
@@ -164,144 +156,5 @@ def _way(hybrid: HybridMap, node: int, start: int) -> float:
 def _can_leave(outline: Outline, mark: Mark, heading: float) -> bool:
     if not outline.nodes:
         return False
-    low, high = _leave_range(outline, mark.edge)
-    return low <= mark.along <= high and abs(math.sin(heading - outline.direction(mark.edge))) >= _SLANT
-
-
-def _leave_range(outline: Outline, edge: int) -> tuple[float, float]:
-    first, last = outline.corners[edge], outline.corners[(edge + 1) % len(outline.corners)]
-    low = _ROOM.get(first, _ROOM["convex"])[0]
-    return low, outline.length(edge) - _ROOM.get(last, _ROOM["convex"])[1]
-
-
-def nodes_near(known: Sequence[Outline], corner: Pose, kind: str, slack: float) -> dict[int, float]:
-    """The nodes that a corner of this kind may be, and how far (m) each is; none beyond `slack`.
-
-    corner: where the robot stands, heading along the wall it has just followed (m, rad, map frame).
-    """
-    found = {}
-    for outline in known:
-        for index, node in enumerate(outline.nodes):
-            away = math.dist(outline.points[index], (corner.x, corner.y))
-            turned = abs(wrap_angle(outline.direction(index - 1) - corner.heading))
-            if outline.corners[index] == kind and turned < _SAME_WALL and away <= slack:
-                found[node] = away
-    return found
-
-
-def node_at(known: Sequence[Outline], corner: Pose, kind: str, slack: float) -> int | None:
-    """The node that a corner is; None if none is, or several may be. Arguments: as for `nodes_near`."""
-    fits = sorted((away, node) for node, away in nodes_near(known, corner, kind, slack).items())
-    if not fits or (len(fits) > 1 and fits[1][0] < fits[0][0] + 0.4 * slack):
-        return None
-    return fits[0][1]
-
-
-def pose_at(known: Sequence[Outline], node: int, backward: bool) -> Pose | None:
-    """Where `node` is, heading along the wall by which it is reached; backward: by the other side."""
-    for outline in known:
-        if node in outline.nodes:
-            index = outline.nodes.index(node)
-            x, y = outline.points[index]
-            heading = outline.direction(index) + math.pi if backward else outline.direction(index - 1)
-            return Pose(x, y, wrap_angle(heading))
-    return None
-
-
-@dataclass(frozen=True, slots=True)
-class Link:
-    """A foray from one boundary to another, as it should go. risk: m, lower is better."""
-
-    start: int
-    end: int
-    crossing: Crossing
-    risk: float
-
-
-def best_link(
-    known: Sequence[Outline],
-    sources: Sequence[int],
-    targets: Sequence[int],
-    side: str,
-    failed: Collection[tuple[int, int]] = (),
-) -> Link | None:
-    """The foray from one of the outlines `sources` to one of `targets` that is surest to arrive.
-
-    failed: pairs of nodes that are not to be joined.
-    """
-    free = 0.5 * math.pi if side == "right" else -0.5 * math.pi
-    best: Link | None = None
-    for target in targets:
-        outline = known[target]
-        for edge in range(len(outline.points)):
-            (x0, y0), (x1, y1) = outline.edge(edge)
-            middle = (0.5 * (x0 + x1), 0.5 * (y0 + y1))
-            across = outline.direction(edge) + free + math.pi
-            for source in sources:
-                if source == target or not known[source].nodes:
-                    continue
-                for link in _links(known, source, target, middle, across, free):
-                    if (link.start, link.end) in failed:
-                        continue
-                    if best is None or link.risk < best.risk - 1e-9:
-                        best = link
-    return best
-
-
-def _links(
-    known: Sequence[Outline],
-    source: int,
-    target: int,
-    middle: tuple[float, float],
-    across: float,
-    free: float,
-) -> list[Link]:
-    """Forays from an outline toward a point of another: off its walls, and straight from convex corners."""
-    outline = known[source]
-    found = []
-    for edge in range(len(outline.points)):
-        low, high = _leave_range(outline, edge)
-        (x, y), along = outline.edge(edge)[0], outline.direction(edge)
-        for heading in (along + free, across):
-            if math.sin(heading - along) * math.copysign(1.0, free) < _SLANT or high < low:
-                continue
-            # Where a straight way to the point leaves the edge.
-            dx, dy = middle[0] - x, middle[1] - y
-            beside = dx * math.cos(along) + dy * math.sin(along)
-            beyond = -dx * math.sin(along) + dy * math.cos(along)
-            offset = beside - beyond / math.tan(heading - along)
-            offset = max(low, min(high, offset))
-            place = (x + offset * math.cos(along), y + offset * math.sin(along))
-            found.append(_link(known, source, target, edge, offset, place, heading, along))
-        entry = outline.direction(edge - 1)
-        if outline.corners[edge] == "convex":
-            heading = math.atan2(middle[1] - y, middle[0] - x)
-            aside = wrap_angle(heading - entry) * math.copysign(1.0, free)
-            if -0.8 < aside < 1.0:
-                found.append(_link(known, source, target, edge, 0.0, (x, y), heading, entry))
-    return [link for link in found if link is not None]
-
-
-def _link(
-    known: Sequence[Outline],
-    source: int,
-    target: int,
-    edge: int,
-    offset: float,
-    place: Point,
-    heading: float,
-    along: float,
-) -> Link | None:
-    hit = first_hit(known, *place, heading)
-    if hit is None or hit[1].outline != target or not known[target].nodes:
-        return None
-    distance, mark = hit
-    met = known[target]
-    length, wall = met.length(mark.edge), wrap_angle(met.direction(mark.edge) - heading)
-    margin = min(mark.along, length - mark.along) - WALL_DISTANCE
-    lack = max(0.0, 0.03 + 0.05 * distance - margin)
-    slant = 1.0 - abs(math.sin(wall))
-    end = met.nodes[(mark.edge + 1) % len(met.nodes)]
-    crossing = Crossing(offset, wrap_angle(heading - along), distance, wall, length - mark.along)
-    risk = distance + 20.0 * lack + 0.3 * slant + (0.1 if offset == 0.0 else 0.0)
-    return Link(known[source].nodes[edge], end, crossing, risk)
+    low, high = outline.leave_range(mark.edge)
+    return low <= mark.along <= high and abs(math.sin(heading - outline.direction(mark.edge))) >= SLANT

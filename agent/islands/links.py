@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import asdict
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 from ...maps.errors import NoPathError
+from ...world.robot import wrap_angle
 from ..goals import Crossing
 from ..mapping.base import ArcKey
 from ..navigation.legs import CROSSING
-from .coverage import best_link
-from .outlines import Outline
+from ..walls import WALL_DISTANCE
+from .outlines import SLANT, Outline, Point, first_hit
 
 if TYPE_CHECKING:
     from ...maps.hybrid_map import Arc, HybridMap
@@ -21,6 +22,16 @@ _SAME_PLACE = 0.12
 """Meters between the middles of two outlines of one obstacle, at most."""
 _LINKS = 3
 """Ways tried to link an island, in each direction."""
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A foray from one boundary to another, as it should go. risk: m, lower is better."""
+
+    start: int
+    end: int
+    crossing: Crossing
+    risk: float
 
 
 def leads(hybrid_map: HybridMap, start: int, end: int) -> bool:
@@ -77,10 +88,93 @@ def _add_link(hybrid_map: HybridMap, start: int, end: int, crossing: Crossing, s
     )
 
 
-def arcs_into(hybrid_map: HybridMap, node: int, kind: str) -> list[Arc]:
-    """The arcs of a kind that end at a node."""
-    edges = hybrid_map.graph.in_edges(node, keys=True)
-    return [hybrid_map.arc(*key) for key in sorted(edges) if key[2] == kind]
+def best_link(
+    known: Sequence[Outline],
+    sources: Sequence[int],
+    targets: Sequence[int],
+    side: str,
+    failed: Collection[tuple[int, int]] = (),
+) -> Link | None:
+    """The foray from one of the outlines `sources` to one of `targets` that is surest to arrive.
+
+    failed: pairs of nodes that are not to be joined.
+    """
+    free = 0.5 * math.pi if side == "right" else -0.5 * math.pi
+    best: Link | None = None
+    for target in targets:
+        outline = known[target]
+        for edge in range(len(outline.points)):
+            (x0, y0), (x1, y1) = outline.edge(edge)
+            middle = (0.5 * (x0 + x1), 0.5 * (y0 + y1))
+            across = outline.direction(edge) + free + math.pi
+            for source in sources:
+                if source == target or not known[source].nodes:
+                    continue
+                for link in _links(known, source, target, middle, across, free):
+                    if (link.start, link.end) in failed:
+                        continue
+                    if best is None or link.risk < best.risk - 1e-9:
+                        best = link
+    return best
+
+
+def _links(
+    known: Sequence[Outline],
+    source: int,
+    target: int,
+    middle: tuple[float, float],
+    across: float,
+    free: float,
+) -> list[Link]:
+    """Forays from an outline toward a point of another: off its walls, and straight from convex corners."""
+    outline = known[source]
+    found = []
+    for edge in range(len(outline.points)):
+        low, high = outline.leave_range(edge)
+        (x, y), along = outline.edge(edge)[0], outline.direction(edge)
+        for heading in (along + free, across):
+            if math.sin(heading - along) * math.copysign(1.0, free) < SLANT or high < low:
+                continue
+            # Where a straight way to the point leaves the edge.
+            dx, dy = middle[0] - x, middle[1] - y
+            beside = dx * math.cos(along) + dy * math.sin(along)
+            beyond = -dx * math.sin(along) + dy * math.cos(along)
+            offset = beside - beyond / math.tan(heading - along)
+            offset = max(low, min(high, offset))
+            place = (x + offset * math.cos(along), y + offset * math.sin(along))
+            found.append(_link(known, source, target, edge, offset, place, heading, along))
+        entry = outline.direction(edge - 1)
+        if outline.corners[edge] == "convex":
+            heading = math.atan2(middle[1] - y, middle[0] - x)
+            aside = wrap_angle(heading - entry) * math.copysign(1.0, free)
+            if -0.8 < aside < 1.0:
+                found.append(_link(known, source, target, edge, 0.0, (x, y), heading, entry))
+    return [link for link in found if link is not None]
+
+
+def _link(
+    known: Sequence[Outline],
+    source: int,
+    target: int,
+    edge: int,
+    offset: float,
+    place: Point,
+    heading: float,
+    along: float,
+) -> Link | None:
+    hit = first_hit(known, *place, heading)
+    if hit is None or hit[1].outline != target or not known[target].nodes:
+        return None
+    distance, mark = hit
+    met = known[target]
+    length, wall = met.length(mark.edge), wrap_angle(met.direction(mark.edge) - heading)
+    margin = min(mark.along, length - mark.along) - WALL_DISTANCE
+    lack = max(0.0, 0.03 + 0.05 * distance - margin)
+    slant = 1.0 - abs(math.sin(wall))
+    end = met.nodes[(mark.edge + 1) % len(met.nodes)]
+    crossing = Crossing(offset, wrap_angle(heading - along), distance, wall, length - mark.along)
+    risk = distance + 20.0 * lack + 0.3 * slant + (0.1 if offset == 0.0 else 0.0)
+    return Link(known[source].nodes[edge], end, crossing, risk)
 
 
 def take_back(hybrid_map: HybridMap, nodes: Iterable[int]) -> tuple[list[int], list[ArcKey]]:

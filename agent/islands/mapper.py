@@ -1,4 +1,4 @@
-"""Mapping of all walls of a room: first the boundary the robot stands at, then islands, found by forays.
+"""Mapping of all walls of a room: first the boundary the robot stands at, then islands, found by crossings.
 
     map the boundary -> drive a line across what it encloses -> a known wall? then the next line
                                                              -> another? an island: map it, link it ...
@@ -12,12 +12,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
 from ...maps.boundary.layout import PLACE
-from ...world.robot import Percept, Pose, wrap_angle
+from ...world.robot import Percept
 from ..boundary.trace import BEND
 from ..events import CornerReached, Localized, LoopClosed, Lost, NodePassed, NodeReached
 from ..goals import Follow
@@ -28,9 +27,11 @@ from ..mapping.corners import Mapper, MappingConfig
 from ..navigation.corners import Navigator
 from ..navigation.crossing import CrossingDrive, Stage
 from ..walls import START_AT
-from .coverage import ScoutConfig, Scouting, node_at, nodes_near, pose_at
-from .links import arcs_into, is_same, leads, link_islands, take_back, unproven_link
-from .outlines import Chord, Outline, outline_from
+from .anchor import Anchor
+from .candidate import ROUND, Candidate
+from .coverage import ScoutConfig, Scouting
+from .links import is_same, leads, link_islands, take_back, unproven_link
+from .outlines import Outline, outline_from
 
 if TYPE_CHECKING:
     from ...maps.hybrid_map import HybridMap
@@ -38,14 +39,10 @@ if TYPE_CHECKING:
     from ..agent import Agent
     from ..behavior import Context
     from ..goals import LocalSamples
+    from .sweep import Chord
 
-_TRACK_STEP = 0.04
-_ROUND = 2.4 * math.pi
-"""Turned so far (rad) along an obstacle without a corner: it is round."""
-_ASTRAY = 0.25
-"""Meters that path integration may be off on a foray, at most."""
 _FARTHEST = 5.0
-"""Meters across open space until a foray is given up."""
+"""Meters across open space until a crossing is given up."""
 _LEAVES = 5
 """How often it sets out from an island without knowing where that leads."""
 _BEHAVIORS = ("wall-following", "local-exploration", "position-correction", "go-to-node", "foray")
@@ -55,8 +52,8 @@ class Doing(Enum):
     """What it is about."""
 
     BOUNDARY = "mapping the boundary"
-    GOING = "driving to where a foray sets out"
-    FORAY = "on a foray"
+    GOING = "driving to where a crossing sets out"
+    FORAY = "crossing open space"
     ISLAND = "mapping an island"
     PROVING = "driving a link again"
     LOST = "finding out where it is"
@@ -94,18 +91,12 @@ class IslandMapper(Listener):
         self._scouting: Scouting | None = None
         self._node = -1
         self._chord: Chord | None = None
-        self._hit = Pose()
-        self._first: int | None = None
-        self._place: Pose | None = None
-        self._track: list[tuple[float, float]] = []
-        self._turned = 0.0
-        self._corner: CornerReached | None = None
-        self._anchored = 0.0
+        self._candidate = Candidate()
+        self._anchor = Anchor(agent.odometry, self.side, scouting.near, scouting.near_slope)
         self._finding = False
         self._leaves = 0
-        self._maybe: set[int] = set()
         self._gone: tuple[list[int], list[ArcKey]] = ([], [])
-        self.listen(CornerReached, self._on_corner)
+        self.listen(CornerReached, self._anchor.meet)
         self.listen(LoopClosed, self._on_closed)
         self.listen(NodePassed, self._on_passed)
         self.listen(NodeReached, self._on_reached)
@@ -146,14 +137,9 @@ class IslandMapper(Listener):
             "scouting": None if self._scouting is None else self._scouting.state(),
             "node": self._node,
             "counts": [self.forays, self.islands, self._leaves],
-            "first": self._first,
-            "place": None if self._place is None else asdict(self._place),
-            "maybe": sorted(self._maybe),
             "heading": self.mapper.heading,
-            "track": [list(point) for point in self._track],
-            "turned": self._turned,
-            "corner": None if self._corner is None else asdict(self._corner),
-            "anchored": self._anchored,
+            **self._candidate.state(),
+            **self._anchor.state(),
             "heard": self.agent.bus.corners,
         }
 
@@ -173,31 +159,24 @@ class IslandMapper(Listener):
             self._scouting = Scouting.restored(state["scouting"], self.config)
         self._node = int(state["node"])
         self.forays, self.islands, self._leaves = state["counts"]
-        self._first = state["first"]
-        self._place = None if state["place"] is None else Pose(**state["place"])
-        self._maybe = set(state["maybe"])
-        self._track = [(x, y) for x, y in state["track"]]
-        self._turned = state["turned"]
-        self._corner = None if state["corner"] is None else CornerReached(**state["corner"])
-        self._anchored = state["anchored"]
+        self._candidate = Candidate.restored(state)
+        self._anchor.restore(state)
         self.agent.bus.corners = int(state.get("heard", 0))
 
     def update(self, percept: Percept, context: Context) -> None:
         """Watches for what has no event: a mapping given up, an island without corners."""
         if self._doing is Doing.BOUNDARY and self.mapper.done and self.mapper.reason != "loop closed":
             self._end(self.mapper.reason, "the boundary was not closed")
+        candidate = self._candidate
         if self._doing is Doing.FORAY and self._drive.stage is Stage.JOIN:
-            self._turned += context.turn
-            if abs(self._turned) > _ROUND:
+            candidate.turned += context.turn
+            if abs(candidate.turned) > ROUND:
                 self._leave_round_wall()
         if self._doing is not Doing.ISLAND:
             return
-        pose = context.pose
-        self._turned += context.turn
-        if not self._track or math.dist(self._track[-1], (pose.x, pose.y)) > _TRACK_STEP:
-            self._track.append((pose.x, pose.y))
+        candidate.follow(context.pose, context.turn)
         bends = all(corner.kind == BEND for corner in self.mapper.trace.corners)
-        is_round = bends and abs(self._turned) > _ROUND
+        is_round = bends and abs(candidate.turned) > ROUND
         if is_round or (self.mapper.done and self.mapper.reason != "loop closed"):
             self._give_up_island()
 
@@ -211,9 +190,9 @@ class IslandMapper(Listener):
             self._take_island(event.node)
 
     def _rest(self, node: int) -> None:
-        """Stands at a known node: all can be saved; then on to the next foray."""
+        """Stands at a known node: all can be saved; then on to the next crossing."""
         self._node, self._doing = node, Doing.GOING
-        self._anchor(node)
+        self._anchor.fix(self._known(), node)
         link_islands(self.map, self._known(), self.side)
         self._save()
         self._choose()
@@ -242,7 +221,7 @@ class IslandMapper(Listener):
         self._end("loop closed", "all is covered")
 
     def _is_marooned(self) -> bool:
-        """Whether it is on an island and no foray that is known leads away from it."""
+        """Whether it is on an island and no crossing that is known leads away from it."""
         outer = self._known()[0].nodes
         return self._node not in outer and not leads(self.map, self._node, outer[0])
 
@@ -275,14 +254,14 @@ class IslandMapper(Listener):
     def _go_to(self, node: int) -> None:
         self._navigator_at(self._node).go(node)
 
-    # --- forays ---------------------------------------------------------------------------------------
+    # --- crossings ------------------------------------------------------------------------------------
 
     def _on_reached(self, event: NodeReached) -> None:
         if self._doing is Doing.PROVING:
-            self._learn_forays()
+            self._learn_crossings()
             self._rest(event.node)
         elif self._doing is Doing.GOING and self._chord is not None and self._scouting is not None:
-            self._learn_forays()
+            self._learn_crossings()
             self._doing = Doing.FORAY
             self.forays += 1
             data = self.map.graph.nodes[event.node]
@@ -290,7 +269,7 @@ class IslandMapper(Listener):
             crossing, pose = self._scouting.crossing(self._known(), self._chord)
             self._drive.begin(crossing, start, data["turn"] or None, pose=pose, most=_FARTHEST)
 
-    def _learn_forays(self) -> None:
+    def _learn_crossings(self) -> None:
         assert self._navigator is not None
         for leg in self._navigator.legs:
             if leg.foray:
@@ -299,35 +278,17 @@ class IslandMapper(Listener):
     def _on_landed(self, distance: float) -> None:
         """A wall is met, and being joined: known, or an island."""
         assert self._scouting is not None
-        self._hit = self.agent.odometry.pose
-        self._turned = 0.0
+        hit = self.agent.odometry.pose
+        self._candidate.turned = 0.0
         if self._chord is not None:
-            self._scouting.drove(self._chord, self._hit.x, self._hit.y)
-        if not self._scouting.is_known(self._known(), self._hit.x, self._hit.y, distance):
+            self._scouting.drove(self._chord, hit.x, hit.y)
+        if not self._scouting.is_known(self._known(), hit.x, hit.y, distance):
             self._drive.release()
             self._begin_island()
 
-    def _node_at(self, corner: CornerReached) -> int | None:
-        pose = self.agent.odometry.pose
-        since = self.agent.odometry.travelled - self._anchored
-        slack = 2.0 * self.config.near + self.config.near_slope * since
-        return node_at(self._known(), Pose(pose.x, pose.y, corner.heading), corner.kind, slack)
-
     def _on_passed(self, event: NodePassed) -> None:
         if self._scouting is not None:
-            self._anchor(event.node)
-
-    def _anchor(self, node: int) -> None:
-        """Path integration goes on from a node: the robot stands there, as askew as it was seen to."""
-        corner, odometry = self._corner, self.agent.odometry
-        if corner is None:
-            return
-        pose = pose_at(self._known(), node, corner.side != self.side)
-        if pose is not None:
-            skew = odometry.heading - corner.heading
-            odometry.reset(Pose(pose.x, pose.y, wrap_angle(pose.heading + skew)))
-            self._corner = replace(corner, heading=pose.heading)
-            self._anchored = odometry.travelled
+            self._anchor.fix(self._known(), event.node)
 
     def _on_crossed(self, outcome: Outcome) -> None:
         """At the corner after a wall that should be known, or the crossing failed."""
@@ -335,8 +296,8 @@ class IslandMapper(Listener):
             self._find_wall()
             return
         _, corner = outcome.result
-        self._on_corner(corner)
-        node = self._node_at(corner)
+        self._anchor.meet(corner)
+        node = self._anchor.node_at(self._known(), corner)
         if node is not None:
             self._finding = False
             self._rest(node)
@@ -352,28 +313,28 @@ class IslandMapper(Listener):
     def _begin_island(self) -> None:
         self._doing = Doing.ISLAND
         self._new_mapper()
-        self._first, self._place = None, None
-        self._track, self._turned, self._maybe = [], 0.0, set()
+        self._candidate = Candidate()
 
     def _new_mapper(self) -> None:
         self.mapper.close()
         self.mapper = Mapper(self.agent, self.map, self, self._mapping, self._take_corner)
         self.mapper.meter.mismatch = self._mismatch
 
-    def _on_corner(self, event: CornerReached) -> None:
-        if event.kind != BEND:
-            self._corner = event
-
     def _take_corner(self, event: CornerReached) -> bool:
         """Before the mapper takes a corner: the first of an island anchors it; known ones end its mapping."""
-        self._on_corner(event)
+        self._anchor.meet(event)
         if self._doing is not Doing.ISLAND:
             return False
-        if event.kind != BEND and self._recognize(event):
-            return True
-        if not self.mapper.trace.corners and self._place is None:
-            pose = self.agent.odometry.pose
-            self._place = Pose(pose.x, pose.y, event.heading)
+        corner, candidate = self._anchor.at(event), self._candidate
+        if event.kind != BEND:
+            node = candidate.known_as(self.map, self._known(), corner, event)
+            if node is not None:
+                self._drop_island()
+                self._stop()
+                self._rest(node)
+                return True
+        if not self.mapper.trace.corners and candidate.place is None:
+            candidate.place = corner
             self.mapper.heading = event.heading
         return False
 
@@ -385,9 +346,10 @@ class IslandMapper(Listener):
 
     def commit(self, node: int, corner: CornerReached) -> None:
         """Notes where an island's first node is, and hands the node on."""
-        if self._doing is Doing.ISLAND and self._first is None and self._place is not None:
-            self._first = node
-            self.map.annotate(node, **{PLACE: [self._place.x, self._place.y]})
+        candidate = self._candidate
+        if self._doing is Doing.ISLAND and candidate.first is None and candidate.place is not None:
+            candidate.first = node
+            self.map.annotate(node, **{PLACE: [candidate.place.x, candidate.place.y]})
         self.sink.commit(node, corner)
 
     def rest(self, nodes: Sequence[int], arcs: Sequence[ArcKey]) -> None:
@@ -395,14 +357,14 @@ class IslandMapper(Listener):
 
     def _take_island(self, closed: int) -> None:
         """Its loop is closed at node `closed`: is it new?"""
-        here, place = self.mapper.current, self._place
+        here, place = self.mapper.current, self._candidate.place
         assert place is not None
-        if closed != self._first:  # corners before that were none: a foray had met an edge of the island
+        if closed != self._candidate.first:  # corners before that were none: a crossing had met an edge of it
             at = self.mapper.trace.poses()[self.mapper.index(closed)]
             at = place.compose(at.x, at.y)
             self.map.annotate(closed, **{PLACE: [at.x, at.y]})
             self._drop(node for node in self.mapper.nodes if node < closed)
-            self._first = closed
+            self._candidate.first = closed
         known = [outline for outline in self._known() if closed not in outline.nodes]
         island = outline_from(self.map, closed)
         if island is None:
@@ -415,7 +377,7 @@ class IslandMapper(Listener):
             self._find_wall()
         else:
             self.islands += 1
-            self._first = None
+            self._candidate.first = None
             self._rest(here)
 
     def _drop_island(self) -> None:
@@ -423,34 +385,18 @@ class IslandMapper(Listener):
         self._finding = False
         self.mapper.stop("not an island of its own")
         self._drop(node for node in self.mapper.nodes if node in self.map.graph)
-        self._first = None
+        self._candidate.first = None
 
     def _drop(self, taken: Iterable[int]) -> None:
         nodes, arcs = take_back(self.map, taken)
         self._gone[0].extend(nodes)
         self._gone[1].extend(arcs)
 
-    def _recognize(self, event: CornerReached) -> bool:
-        """Whether the corners met last, one after the other, are known ones; then it goes on from there."""
-        pose = self.agent.odometry.pose
-        corner = Pose(pose.x, pose.y, event.heading)
-        now = set(nodes_near(self._known(), corner, event.kind, _ASTRAY))
-        before, self._maybe = self._maybe, now
-        for node in sorted(now):
-            for arc in arcs_into(self.map, node, self.side):
-                slack = 0.02 + 0.02 * arc.distance
-                if arc.start in before and abs(arc.distance - event.path_length) < slack:
-                    self._drop_island()
-                    self._stop()
-                    self._rest(node)
-                    return True
-        return False
-
     def _give_up_island(self) -> None:
         """It cannot be mapped: remembered as something in the way; away from it, straight."""
         assert self._scouting is not None
         self._drop_island()
-        blind = Outline(tuple(self._track))
+        blind = self._candidate.outline
         if not any(is_same(outline, blind) for outline in self._known()[1:]):
             self._scouting.blind.append(blind)
         self._stop()
@@ -461,9 +407,8 @@ class IslandMapper(Listener):
     def _find_wall(self) -> None:
         """Something went wrong, but path integration still knows about where: the next corner will tell."""
         self._doing, self._chord = Doing.FORAY, None
-        self._hit = self.agent.odometry.pose
         self._finding = True
-        self._turned = 0.0
+        self._candidate.turned = 0.0
         self._drive.stop()
         self._drive.join()
 

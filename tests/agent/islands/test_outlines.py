@@ -4,22 +4,17 @@ import math
 
 import pytest
 from tolman.agent.islands.outlines import (
-    Outline,
-    Sweep,
     closed_points,
     first_hit,
     outline_from,
     outlines,
-    uncovered,
 )
 from tolman.maps.boundary.layout import PLACE
 from tolman.maps.hybrid_map import HybridMap
 from tolman.maps.meta import MapMeta
 from tolman.world.robot import Pose
 
-QUARTER = 0.5 * math.pi
-ROOM = Outline(((0.0, 0.0), (1.2, 0.0), (1.2, 1.0), (0.0, 1.0)), (0, 1, 2, 3), ("concave",) * 4)
-ISLAND = Outline(((0.4, 0.4), (0.4, 0.6), (0.8, 0.6), (0.8, 0.4)), (4, 5, 6, 7), ("convex",) * 4)
+from .rooms import ISLAND, QUARTER, ROOM
 
 
 def rectangle(
@@ -70,25 +65,6 @@ def test_an_open_boundary_has_no_outline() -> None:
     assert outlines(found) == []
 
 
-def test_lines_of_a_sweep_end_at_walls_and_at_islands() -> None:
-    sweep = Sweep.over(ROOM, 0.3)
-    assert len(sweep.lines) == 3
-    through = sweep.chords([ROOM, ISLAND], 1)
-    assert [chord.length for chord in through] == pytest.approx([0.4, 0.4])
-    assert [(chord.start.outline, chord.end.outline) for chord in through] == [(0, 1), (1, 0)]
-    beside = sweep.chords([ROOM, ISLAND], 0)
-    assert [chord.length for chord in beside] == pytest.approx([1.0])
-    assert sweep.place(beside[0].u, beside[0].v0) == pytest.approx((0.3, 0.0))
-    assert sweep.heading(beside[0].back) == pytest.approx(-QUARTER)
-
-
-def test_an_island_over_another_hides_nothing() -> None:
-    sweep = Sweep.over(ROOM, 0.3)
-    again = Outline(tuple((x + 0.02, y + 0.02) for x, y in ISLAND.points))
-    lengths = [chord.length for chord in sweep.chords([ROOM, ISLAND, again], 1)]
-    assert lengths == pytest.approx([0.4, 0.38])
-
-
 def test_a_straight_way_ends_at_the_first_wall() -> None:
     hit = first_hit([ROOM, ISLAND], 0.6, 0.0, QUARTER)
     assert hit is not None
@@ -97,11 +73,3 @@ def test_a_straight_way_ends_at_the_first_wall() -> None:
     assert (mark.outline, mark.edge) == (1, 3)
     assert mark.along == pytest.approx(0.2)
     assert first_hit([ISLAND], 0.6, 0.0, -QUARTER) is None
-
-
-@pytest.mark.parametrize(
-    ("driven", "left"),
-    [([], 1.0), ([(0.0, 0.4)], 0.6), ([(0.7, 0.3), (0.9, 1.2)], 0.3), ([(-1.0, 2.0)], 0.0)],
-)
-def test_what_is_left_of_a_line_is_its_longest_piece(driven: list[tuple[float, float]], left: float) -> None:
-    assert uncovered(1.0, 0.0, driven) == pytest.approx(left)
