@@ -100,7 +100,8 @@ class Parts:
         self.spent = dict.fromkeys(("step", "tick", *self.NAMES), 0.0)
         world = pipeline.world
         self._clock(world, "_advance", "physics")
-        self._clock(world, "infrared_values", "infrared")
+        for robot in world.robots:
+            self._clock(robot.sensors["infrared"], "values", "infrared")
         self._clock(world, "step", "step")
         for agent in pipeline.agents:
             self._clock(agent, "tick", "tick")

@@ -103,9 +103,9 @@ class Witness:
         self.stopped = driver is not None and not self._agent.is_active(driver)
         self._robot.act(command)
 
-    def look(self, width: int = 16, height: int = 16) -> Image:
+    def look(self, width: int = 16, height: int = 16, color: bool = False) -> Image:
         """The robot's image."""
-        return self._robot.look(width, height)
+        return self._robot.look(width, height, color)
 
 
 @dataclass(slots=True)

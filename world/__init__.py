@@ -14,7 +14,7 @@ from .errors import (
 from .factory import open_world
 from .noise.model import PRESETS, Noise
 from .robot import CONTROL_PERIOD, EPUCK, EPUCK2, Image, Percept, Pose, Robot, RobotGeometry, WheelCommand
-from .sensors.sensing import Sensing, Timing
+from .sensors.sensor import Timing
 from .spec import WorldSpec
 
 __all__ = [
@@ -30,7 +30,6 @@ __all__ = [
     "Pose",
     "Robot",
     "RobotGeometry",
-    "Sensing",
     "SimulationError",
     "Timing",
     "UnknownWorldError",

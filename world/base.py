@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any, Protocol, Self
 
 from .robot import Pose, Robot
 from .spec import WorldSpec
@@ -60,3 +60,9 @@ class World(Protocol):
 
     def close(self) -> None:
         """Frees what the simulation holds. Stepping afterwards raises WorldError."""
+
+    def __enter__(self) -> Self:
+        """The world itself, which `with` closes at its end."""
+
+    def __exit__(self, *_: object) -> None:
+        """Closes the world."""

@@ -10,9 +10,8 @@ from .arenas.catalog import find_world
 from .base import World
 from .errors import WorldError
 from .noise.model import Noise, resolve_noise
-from .physics.kinematic import KinematicWorld
 from .robot import EPUCK, Pose, RobotGeometry
-from .sensors.sensing import Sensing, resolve_sensing
+from .sensors.sensor import Timing
 from .spec import WorldSpec
 
 MODELS = ("wheels", "planar")
@@ -31,15 +30,16 @@ def open_world(
     start: Pose | str | None = None,
     geometry: RobotGeometry = EPUCK,
     rays: str = "auto",
-    sensing: Sensing | Mapping[str, Any] | None = None,
+    sensing: Mapping[str, Timing | Mapping[str, Any]] | None = None,
     scale: float = 1.0,
 ) -> World:
     """A world ready to step, its first robot at `start`: a pose, a start's name, or None for the first start.
 
     world: a built-in name, the path of a world file, or a description. model: "wheels" or "planar" (DART);
     engine: "dart" or "kinematic". noise: a preset, values, or a mapping of values. sensing: delays and
-    intervals of sensors. rays: "auto", "embree" or "numpy" (see `rays.make_caster`). scale: what the lengths
-    of a world from a file are multiplied by.
+    intervals of sensors by name; a name that `geometry` does not list adds that sensor. rays: "auto",
+    "embree" or "numpy" (see `rays.make_caster`). scale: what the lengths of a world from a file are
+    multiplied by.
 
     Raises: WorldError and its kinds, one line each: unknown world, model, engine, noise; bad file, start.
     """
@@ -50,19 +50,24 @@ def open_world(
         raise WorldError(f"unknown robot model {model!r}; known: {', '.join(MODELS)}")
     if rays not in ENGINES_OF_RAYS:
         raise WorldError(f"unknown ray engine {rays!r}; known: {', '.join(ENGINES_OF_RAYS)}")
+    if engine not in ENGINES:
+        raise WorldError(f"unknown engine {engine!r}; known: {', '.join(ENGINES)}")
+    from .sensors.registry import fitted  # here, as the rest: who only names or describes worlds needs none
+
     options: dict[str, Any] = {
+        "seed": seed,
         "noise": values,
-        "sensing": resolve_sensing(sensing),
+        "sensors": fitted(geometry, sensing),
         "geometry": geometry,
         "rays": rays,
     }
     if engine == "kinematic":
-        return KinematicWorld(spec, starts, seed=seed, **options)
-    if engine != "dart":
-        raise WorldError(f"unknown engine {engine!r}; known: {', '.join(ENGINES)}")
-    from .physics.dart import DartWorld  # here, so that who does not simulate physics needs no DART
+        from .physics.kinematic import KinematicWorld
 
-    return DartWorld(spec, starts, model=model, seed=seed, **options)
+        return KinematicWorld(spec, starts, **options)
+    from .physics.dart import DartWorld
+
+    return DartWorld(spec, starts, model=model, **options)
 
 
 def _start_pose(spec: WorldSpec, start: Pose | str | None) -> Pose:

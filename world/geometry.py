@@ -179,7 +179,7 @@ class Clearing:
         return (x - self._x) ** 2 + (y - self._y) ** 2 < self._room
 
     def renew(self, x: float, y: float) -> bool:
-        """Measures anew, around (x, y) m; whether no edge is within reach there."""
+        """Measures again, around (x, y) m; whether no edge is within reach there."""
         gaps = self._plan.gaps(x, y, self._reach + self._look_ahead)
         room = min(gaps)[0] - self._reach if gaps else self._look_ahead
         self._x, self._y, self._room = x, y, room * room if room > 0.0 else 0.0

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -22,7 +23,7 @@ LEFT_REAR, LEFT, LEFT_DIAGONAL, LEFT_FRONT = 4, 5, 6, 7
 """Indices of the infrared sensors ps0..ps7, clockwise from straight ahead."""
 
 Image = NDArray[np.float32]
-"""One camera image: (height, width) luminance in [0, 1], row 0 on top."""
+"""One camera image: (height, width) luminance or (height, width, 3) RGB, in [0, 1], row 0 on top."""
 
 
 def wrap_angle(angle: float) -> float:
@@ -87,6 +88,7 @@ class Percept:
     infrared: eight raw values, 0..4095, large is near; order and angles as in `RobotGeometry`.
     encoders: (left, right) accumulated wheel steps since the start, noise included.
     accelerometer: (x, y, z) m/s^2, robot frame; (0, 0, 9.81) at rest.
+    readings: what any further sensor of the robot measured, by its name, in its own unit: `range` is (m,).
     """
 
     tick: int
@@ -94,6 +96,7 @@ class Percept:
     infrared: tuple[float, ...]
     encoders: tuple[float, float]
     accelerometer: tuple[float, float, float] = (0.0, 0.0, 9.81)
+    readings: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +104,8 @@ class RobotGeometry:
     """Sizes and sensor characteristics of a robot model, as its maker publishes them.
 
     infrared_angles: (8,) rad from straight ahead. infrared_response: rows of distance (m), raw value
-    and relative noise; beyond the last row there is only a noise floor.
+    and relative noise; beyond the last row there is only a noise floor. extra_sensors: names of what it
+    carries beyond infrared, encoders, accelerometer and camera.
     """
 
     name: str = "e-puck"
@@ -129,6 +133,7 @@ class RobotGeometry:
     camera_forward: float = 0.030
     camera_height: float = 0.028
     camera_field_of_view: float = 0.84
+    extra_sensors: tuple[str, ...] = ()
 
     @property
     def distance_per_step(self) -> float:
@@ -163,7 +168,7 @@ class RobotGeometry:
 
 
 EPUCK = RobotGeometry()
-EPUCK2 = RobotGeometry(name="e-puck2", max_speed=1200.0)
+EPUCK2 = RobotGeometry(name="e-puck2", max_speed=1200.0, extra_sensors=("range",))
 
 
 class Robot(Protocol):
@@ -179,5 +184,5 @@ class Robot(Protocol):
     def act(self, command: WheelCommand) -> None:
         """Sets the wheel speeds until the next tick: finite (else ValueError), clamped to max_speed."""
 
-    def look(self, width: int = 16, height: int = 16) -> Image:
-        """Takes one camera image, on demand, without time passing. Shape (height, width), [0, 1]."""
+    def look(self, width: int = 16, height: int = 16, color: bool = False) -> Image:
+        """Takes one camera image, without time passing: luminance, or RGB where `color` is asked for."""

@@ -45,7 +45,7 @@ def mirrored(spec: WorldSpec) -> WorldSpec:
 def rotated(spec: WorldSpec, angle: float) -> WorldSpec:
     """The world turned by `angle` (rad, counter-clockwise) around the middle of its bounds.
 
-    The lamp and the floor's pattern stay where they are, as for a room built anew under the same sky: what
+    The lamp and the floor's pattern stay where they are, as for a room built again under the same sky: what
     a camera sees changes, what touches and distances tell does not.
     """
     if angle == 0.0:

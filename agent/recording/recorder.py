@@ -32,7 +32,13 @@ if TYPE_CHECKING:
 _CHUNK = 1 << 18
 """Bytes that are packed together: as much may be missing where a run is cut off."""
 _FIELDS: dict[str, dict[str, str]] = {
-    "/percept": {"tick": "integer", "infrared": "array", "encoders": "array", "accelerometer": "array"},
+    "/percept": {
+        "tick": "integer",
+        "infrared": "array",
+        "encoders": "array",
+        "accelerometer": "array",
+        "readings": "object",
+    },
     "/image": {
         "tick": "integer",
         "width": "integer",
@@ -80,11 +86,12 @@ class RecordedRobot:
             self._put("/percept", values)
         return percept
 
-    def look(self, width: int = 16, height: int = 16) -> Image:
+    def look(self, width: int = 16, height: int = 16, color: bool = False) -> Image:
         """The robot's image, kept."""
-        image = self._robot.look(width, height)
+        image = self._robot.look(width, height, color)
+        encoding = "32FC3" if color else "32FC1"
         data = base64.b64encode(np.ascontiguousarray(image, dtype="<f4").tobytes()).decode()
-        self._put("/image", {"width": width, "height": height, "encoding": "32FC1", "data": data})
+        self._put("/image", {"width": width, "height": height, "encoding": encoding, "data": data})
         return image
 
     def act(self, command: WheelCommand) -> None:

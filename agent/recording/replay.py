@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 from ...world.robot import CONTROL_PERIOD, EPUCK, EPUCK2, Image, Percept, Pose, RobotGeometry, WheelCommand
 from ..errors import RecordingError
@@ -91,10 +91,10 @@ class ReplayRobot:
             raise ReplayEnded
         return self.recorded.percept
 
-    def look(self, width: int = 16, height: int = 16) -> Image:
+    def look(self, width: int = 16, height: int = 16, color: bool = False) -> Image:
         """The next recorded image of this tick. Raises: RecordingError if none of that size was taken."""
-        images = self.recorded.images
-        if self._looks >= len(images) or images[self._looks].shape != (height, width):
+        images, shape = self.recorded.images, (height, width, 3) if color else (height, width)
+        if self._looks >= len(images) or images[self._looks].shape != shape:
             raise RecordingError(f"no {width} x {height} image was recorded at this point")
         self._looks += 1
         return images[self._looks - 1]
@@ -179,6 +179,14 @@ class ReplayWorld:
 
     def close(self) -> None:
         """Nothing to free."""
+
+    def __enter__(self) -> Self:
+        """The world itself."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Closes it."""
+        self.close()
 
 
 def _item(events: Sequence[str], index: int) -> str:

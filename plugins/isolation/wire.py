@@ -6,6 +6,7 @@ is never trusted: lengths are limited, numbers are checked by the agent as any p
 
 from __future__ import annotations
 
+import json
 import os
 import select
 import struct
@@ -107,7 +108,8 @@ def pack_tick(percept: Percept, context: Context) -> bytes:
         context.in_control,
         len(percept.infrared),
     )
-    return head + struct.pack(f"<{len(percept.infrared) + 2}d", *percept.infrared, *percept.encoders)
+    values = struct.pack(f"<{len(percept.infrared) + 2}d", *percept.infrared, *percept.encoders)
+    return head + values + (json.dumps(dict(percept.readings)).encode() if percept.readings else b"")
 
 
 def unpack_tick(body: bytes, context: Context) -> Percept:
@@ -116,7 +118,9 @@ def unpack_tick(body: bytes, context: Context) -> Percept:
     values = struct.unpack_from(f"<{count + 2}d", body, _TICK.size)
     context.time, context.pose, context.in_control = now, Pose(x, y, heading), in_control
     context.distance, context.turn = distance, turn
-    return Percept(tick, now, values[:count], (values[count], values[count + 1]), (ax, ay, az))
+    rest = body[_TICK.size + 8 * (count + 2) :]
+    readings = {name: tuple(each) for name, each in json.loads(rest).items()} if rest else {}
+    return Percept(tick, now, values[:count], (values[count], values[count + 1]), (ax, ay, az), readings)
 
 
 def pack_proposal(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from hypothesis import strategies as st
 
 from ...world.robot import CONTROL_PERIOD, EPUCK, Percept
@@ -32,7 +34,4 @@ def percept_runs(max_size: int = 50) -> st.SearchStrategy[list[Percept]]:
 
 
 def _numbered(run: list[Percept]) -> list[Percept]:
-    return [
-        Percept(tick, tick * CONTROL_PERIOD, each.infrared, each.encoders, each.accelerometer)
-        for tick, each in enumerate(run)
-    ]
+    return [replace(each, tick=tick, time=tick * CONTROL_PERIOD) for tick, each in enumerate(run)]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -111,7 +112,7 @@ class ScriptedRobot:
         """The percept of this tick; the same again until `act`."""
         given = self._percepts[min(self._tick, len(self._percepts) - 1)]
         encoders = self._encoders if self._moves else given.encoders
-        return Percept(self._tick, self._tick * CONTROL_PERIOD, given.infrared, encoders, given.accelerometer)
+        return replace(given, tick=self._tick, time=self._tick * CONTROL_PERIOD, encoders=encoders)
 
     def act(self, command: WheelCommand) -> None:
         """Keeps the command, and with `moves` turns the wheels. Raises: ValueError if it is not finite."""
@@ -123,11 +124,12 @@ class ScriptedRobot:
         self._encoders = (left + command.left * CONTROL_PERIOD, right + command.right * CONTROL_PERIOD)
         self._tick += 1
 
-    def look(self, width: int = 16, height: int = 16) -> Image:
+    def look(self, width: int = 16, height: int = 16, color: bool = False) -> Image:
         """The image it was given, or plain grey. Raises: ValueError for another size than the image's."""
+        shape = (height, width, 3) if color else (height, width)
         if self._image is None:
-            return np.full((height, width), 0.5, dtype=np.float32)
-        if self._image.shape != (height, width):
+            return np.full(shape, 0.5, dtype=np.float32)
+        if self._image.shape != shape:
             raise ValueError(
                 f"asked for {width} x {height} pixels, the scripted image is {self._image.shape}"
             )
@@ -169,10 +171,10 @@ class Trial:
         return self._odometry.pose
 
     def step(self, sensed: Percept | None = None) -> Proposal | None:
-        """One tick with this percept's infrared and accelerometer (None: an empty plain)."""
+        """One tick with what this percept has of the robot's surroundings (None: an empty plain)."""
         sensed = sensed if sensed is not None else percept(geometry=self.context.geometry)
         now = self._tick * CONTROL_PERIOD
-        sensed = Percept(self._tick, now, sensed.infrared, self._encoders, sensed.accelerometer)
+        sensed = replace(sensed, tick=self._tick, time=now, encoders=self._encoders)
         self._odometry.update(self._encoders)
         context = self.context
         context.time, context.pose = now, self._odometry.pose

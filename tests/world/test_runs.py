@@ -222,6 +222,25 @@ def test_a_closed_world_does_not_step(options: dict[str, Any]) -> None:
         world.step()
 
 
+def test_a_world_is_closed_at_the_end_of_with() -> None:
+    with open_world("env1", engine="kinematic") as world:
+        world.step()
+    with pytest.raises(WorldError, match="closed"):
+        world.step()
+
+
+def test_a_world_says_what_it_is() -> None:
+    world = open_world("env1")
+    for _ in range(384):
+        world.step()
+    assert repr(world) == "World('env1', 1 robot, dart wheels, t=12.3 s)"
+    world.close()
+    assert repr(world) == "World('env1', 1 robot, dart wheels, t=12.3 s, closed)"
+    crowd = WorldSpec("crowd", room_walls(1.0, 1.0), robots=(Pose(0.7, 0.3, 2.0),))
+    twins = open_world(crowd, engine="kinematic", start=Pose(0.3, 0.3, 0.5))
+    assert repr(twins) == "World('crowd', 2 robots, kinematic, t=0.0 s)"
+
+
 def test_only_the_shapes_near_a_body_are_in_the_physics() -> None:
     from tolman.world.physics.dart import DartWorld
 
@@ -232,8 +251,8 @@ def test_only_the_shapes_near_a_body_are_in_the_physics() -> None:
     for _ in range(400):
         world.robots[0].act(WheelCommand(800, 800))
         world.step()
-        assert len(world.nearby.kept) <= 2
-        seen.update(world.nearby.kept)
+        assert len(world.broad_phase.kept) <= 2
+        seen.update(world.broad_phase.kept)
     assert len(seen) > 2
     assert world.true_pose().x > 1.0
 

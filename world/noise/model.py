@@ -1,12 +1,10 @@
-"""How far sensors and wheels deviate from the ideal: presets as data, and where the randomness comes from."""
+"""How far sensors and wheels deviate from the ideal: presets as data."""
 
 from __future__ import annotations
 
 import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-
-import numpy as np
 
 from ..errors import WorldError
 
@@ -23,6 +21,7 @@ class Noise:
     infrared_floor: standard deviation (raw units) where nothing is in range.
     camera: standard deviation of a pixel's luminance.
     accelerometer: standard deviation (m/s^2) an axis.
+    sensors: factor on the noise that any further sensor states for itself (1 is as its maker says).
     unequal_wheels, wrong_track: UMBmark's two systematic errors (Borenstein and Feng 1996), the same in
     every run: right over left true wheel diameter minus 1, and true over nominal track minus 1.
     """
@@ -36,6 +35,7 @@ class Noise:
     accelerometer: float = 0.0
     unequal_wheels: float = 0.0
     wrong_track: float = 0.0
+    sensors: float = 0.0
 
     def scaled(self, factor: float) -> Noise:
         """Every deviation times `factor`.
@@ -55,7 +55,7 @@ _LIMITS = {
     "unequal_wheels": (-0.5, 0.5),
     "wrong_track": (-0.5, 0.5),
 }
-_ENCODER = Noise(encoder=0.10, infrared=1.0, infrared_floor=5.0, camera=0.01, accelerometer=0.05)
+_ENCODER = Noise(encoder=0.10, infrared=1.0, infrared_floor=5.0, camera=0.01, accelerometer=0.05, sensors=1.0)
 PRESETS: Mapping[str, Noise] = {
     "none": Noise(),
     "encoder": _ENCODER,
@@ -104,19 +104,3 @@ def resolve_noise(noise: str | Noise | Mapping[str, float | str], scale: float =
 def _hint(name: str, known: Mapping[str, object] | tuple[str, ...]) -> str:
     near = difflib.get_close_matches(name, list(known), 1, 0.5)
     return f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}"
-
-
-PURPOSES = ("mismatch", "encoder", "slip", "infrared", "camera", "accelerometer")
-
-
-def streams(seed: int, robot: int) -> dict[str, np.random.Generator]:
-    """One independent random generator for each purpose of one robot, all from one seed.
-
-    Raises: WorldError for a negative seed.
-    """
-    if seed < 0:
-        raise WorldError(f"seed {seed} is negative; use 0 or more")
-    return {
-        purpose: np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed, spawn_key=(robot, key))))
-        for key, purpose in enumerate(PURPOSES)
-    }

@@ -12,11 +12,11 @@ from ..spec import Box, Cylinder
 Place = tuple[float, float]
 
 
-class Nearby:
+class BroadPhase:
     """Follows places (m) and says which shapes must be there for whatever happens around them."""
 
     SLACK = 0.02
-    """How far (m) a body moves before the shapes around it are gathered anew."""
+    """How far (m) a body moves before the shapes around it are gathered again."""
     MARGIN = 0.02
     """m beyond the slack and the body's own size; a robot drives at most 4 mm in the tick in between."""
 
@@ -39,7 +39,7 @@ class Nearby:
         self.anchors: list[Place] = []
 
     def follow(self, places: list[Place]) -> tuple[int, ...] | None:
-        """Gathers anew when a body has moved away from where it was at the last time; else None."""
+        """As `gather`, if a body has moved away from where it was at the last time; else None."""
         limit = self.SLACK**2
         if len(places) == len(self.anchors):
             for (x, y), (x0, y0) in zip(places, self.anchors, strict=True):

@@ -14,7 +14,7 @@ from typing import Any
 from ..errors import SimulationError
 from ..robot import Pose
 from ._dart import dartpy
-from .broad_phase import Nearby
+from .broad_phase import BroadPhase
 from .dart_bodies import (
     GRAVITY,
     STEP,
@@ -52,7 +52,8 @@ class DartWorld(SimulatedWorld):
         self._world.addSkeleton(ground())
         track = self.geometry.track * (1.0 + self.noise.wrong_track)
         self._robots: list[RobotBody] = [
-            BODIES[model](f"robot-{index}", self.geometry, track) for index in range(len(self._poses))
+            BODIES[model](f"robot-{index}", self.geometry, track)
+            for index in range(len(self.surroundings.robots))
         ]
         self._boxes = [
             MovableBody(f"movable-{index}", movable) for index, movable in enumerate(self.spec.movable)
@@ -61,16 +62,16 @@ class DartWorld(SimulatedWorld):
         self._skeletons += [box.skeleton for box in self._boxes]
         for skeleton in self._skeletons:
             self._world.addSkeleton(skeleton)
-        for robot, pose in zip(self._robots, self._poses, strict=True):
+        for robot, pose in zip(self._robots, self.surroundings.robots, strict=True):
             robot.put(pose.x, pose.y, pose.heading)
         self._keep_wheels_to_the_floor()
-        self.nearby = Nearby(
+        self.broad_phase = BroadPhase(
             [solid for shape in self.spec.shapes for solid in solids(shape)],
             max([self.geometry.body_radius, *(box.reach for box in self._boxes)]),
         )
         self._fixed: dict[tuple[int, ...], Any] = {}
         self._around: Any = None
-        self._surround(self.nearby.follow(self._places()))
+        self._surround(self.broad_phase.follow(self._places()))
 
     def _advance(self, speeds: Sequence[tuple[float, float]]) -> None:
         for robot, (left, right) in zip(self._robots, speeds, strict=True):
@@ -81,8 +82,8 @@ class DartWorld(SimulatedWorld):
                 robot.before_step()
             step(False)
         if self._boxes:
-            self._movable_poses = [self._box_pose(index) for index in range(len(self._boxes))]
-        self._surround(self.nearby.follow(self._places()))
+            self.surroundings.boxes = [self._box_pose(index) for index in range(len(self._boxes))]
+        self._surround(self.broad_phase.follow(self._places()))
 
     def _keep_wheels_to_the_floor(self) -> None:
         """Has DART ignore contacts of wheels with anything that moves; for what is fixed see `_surround`."""
@@ -108,7 +109,7 @@ class DartWorld(SimulatedWorld):
         """The skeleton of these shapes; the last ones are remembered: making one costs more than a tick."""
         skeleton = self._fixed.pop(kept, None)
         if skeleton is None:
-            skeleton = fixed([self.nearby.solids[index] for index in kept])
+            skeleton = fixed([self.broad_phase.solids[index] for index in kept])
             self._exempt(skeleton, self._ignored.addBodyNodePairToBlackList)
             if len(self._fixed) >= REMEMBERED:
                 oldest = next(iter(self._fixed))
@@ -139,16 +140,16 @@ class DartWorld(SimulatedWorld):
         return Pose(x, y, heading)
 
     def _places(self) -> list[tuple[float, float]]:
-        return [(pose.x, pose.y) for pose in (*self._poses, *self._movable_poses)]
+        return [(pose.x, pose.y) for pose in (*self.surroundings.robots, *self.surroundings.boxes)]
 
     def _put(self, index: int, pose: Pose) -> None:
         self._robots[index].put(pose.x, pose.y, pose.heading)
-        self._poses[index] = pose
-        self._surround(self.nearby.follow(self._places()))
+        self.surroundings.robots[index] = pose
+        self._surround(self.broad_phase.follow(self._places()))
 
     def _bodies(self) -> Any:
         return {
-            "near": self.nearby.anchors,
+            "near": self.broad_phase.anchors,
             "bodies": [
                 [body.getPositions().tolist(), body.getVelocities().tolist()] for body in self._skeletons
             ],
@@ -158,8 +159,8 @@ class DartWorld(SimulatedWorld):
         for skeleton, (positions, velocities) in zip(self._skeletons, bodies["bodies"], strict=True):
             skeleton.setPositions(positions)
             skeleton.setVelocities(velocities)
-        self._surround(self.nearby.gather([(float(x), float(y)) for x, y in bodies["near"]]))
-        self._movable_poses = [self._box_pose(index) for index in range(len(self._boxes))]
+        self._surround(self.broad_phase.gather([(float(x), float(y)) for x, y in bodies["near"]]))
+        self.surroundings.boxes = [self._box_pose(index) for index in range(len(self._boxes))]
 
     def close(self) -> None:
         """Drops the DART world."""

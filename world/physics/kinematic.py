@@ -40,16 +40,23 @@ class KinematicWorld(SimulatedWorld):
     def _advance(self, speeds: Sequence[tuple[float, float]]) -> None:
         track = self.geometry.track * (1.0 + self.noise.wrong_track)
         for index, (left, right) in enumerate(speeds):
-            moved = drive(self._poses[index], left, right, self.geometry.wheel_radius, track, CONTROL_PERIOD)
-            self._poses[index] = self._pushed_out(moved, index)
+            moved = drive(
+                self.surroundings.robots[index],
+                left,
+                right,
+                self.geometry.wheel_radius,
+                track,
+                CONTROL_PERIOD,
+            )
+            self.surroundings.robots[index] = self._pushed_out(moved, index)
 
     def _pushed_out(self, pose: Pose, index: int) -> Pose:
         radius = self.geometry.body_radius
         x, y = pose.x, pose.y
         for _ in range(_PUSHES):
-            gaps = self._plan.gaps(x, y, radius)
-            if self._moving.count > 1:
-                gaps += self._moving.gaps(x, y, radius, index, self._poses, self._movable_poses)
+            gaps = self.surroundings.plan.gaps(x, y, radius)
+            if not self.surroundings.alone:
+                gaps += self.surroundings.moving_gaps(index, x, y, radius)
             if not gaps:
                 break
             distance, away_x, away_y = min(gaps)
@@ -57,10 +64,10 @@ class KinematicWorld(SimulatedWorld):
         return Pose(x, y, pose.heading)
 
     def _read(self, index: int) -> Pose:
-        return self._poses[index]
+        return self.surroundings.robots[index]
 
     def _put(self, index: int, pose: Pose) -> None:
-        self._poses[index] = pose
+        self.surroundings.robots[index] = pose
 
     def _bodies(self) -> Any:
         return None

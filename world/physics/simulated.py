@@ -8,19 +8,20 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any, Self
 
 from ..errors import PlacementError, SimulationError, WorldError
-from ..geometry import Clearing, Plan
-from ..noise.model import Noise
-from ..robot import CONTROL_PERIOD, EPUCK, Image, Pose, RobotGeometry
-from ..sensors.dynamic_obstacles import Moving
-from ..sensors.epuck import SimulatedRobot
-from ..sensors.infrared import InfraredModel
-from ..sensors.infrared_rays import InfraredCaster
-from ..sensors.sensing import Sensing
-from ..sensors.views import Views
+from ..geometry import Clearing
+from ..noise.random_streams import Streams
+from ..robot import CONTROL_PERIOD, Pose, RobotGeometry
+from ..sensors.sensor import Mounting
+from ..sensors.surroundings import Surroundings
 from ..spec import WorldSpec
+from .simulated_robot import SimulatedRobot
+
+if TYPE_CHECKING:
+    from ..noise.model import Noise
+    from ..sensors.registry import Fitted
 
 TOUCH = 5e-5
 """The shell counts as touching below this distance (m)."""
@@ -41,42 +42,29 @@ class SimulatedWorld(ABC):
         spec: WorldSpec,
         starts: Sequence[Pose],
         *,
-        seed: int = 0,
-        noise: Noise | None = None,
-        sensing: Sensing | None = None,
-        geometry: RobotGeometry = EPUCK,
-        rays: str = "auto",
+        seed: int,
+        noise: Noise,
+        sensors: Fitted,
+        geometry: RobotGeometry,
+        rays: str,
     ) -> None:
-        """Prepares sensing and one robot for each of `starts`; bodies are the subclass's.
+        """Prepares one robot for each of `starts` and what is around them; bodies are the subclass's.
 
         Raises: PlacementError when a start overlaps something.
         """
+        self._tick, self._open = 0, True
         self.spec = spec
         self.seed = seed
         self.geometry = geometry
-        self.noise = noise or Noise()
-        self._plan = Plan(spec.shapes)
-        self._infrared = InfraredModel(geometry)
-        lowest = min((shape.height for shape in spec.shapes), default=1.0)
-        self._seen = (
-            self._plan
-            if lowest >= self._infrared.height
-            else Plan(spec.shapes, min_height=self._infrared.height)
-        )
-        self._caster = InfraredCaster(self._infrared, spec.shapes, rays) if rays != "auto" else None
+        self.noise = noise
+        self.surroundings = Surroundings(spec, starts, geometry, rays)
         touch = geometry.body_radius + TOUCH
-        self._clearings = [Clearing(self._plan, touch, LOOK_AHEAD) for _ in starts]
-        self._tick = 0
-        self._open = True
-        self._poses = list(starts)
-        self._movable_poses = [Pose(item.box.x, item.box.y, item.box.angle) for item in spec.movable]
-        self._moving = Moving(geometry, spec.movable, len(starts))
-        self._views = Views(geometry, spec, self._moving, rays)
+        self._clearings = [Clearing(self.surroundings.plan, touch, LOOK_AHEAD) for _ in starts]
         for index, pose in enumerate(starts):
             self._check_place(pose, index, range(index))
-        sensing = sensing or Sensing()
         self.robots: list[SimulatedRobot] = [
-            SimulatedRobot(self, index, geometry, self.noise, sensing, seed) for index in range(len(starts))
+            SimulatedRobot(Mounting(index, geometry, self.surroundings, noise, Streams(seed, index)), sensors)
+            for index in range(len(starts))
         ]
         for robot, pose in zip(self.robots, starts, strict=True):
             robot.start(0, 0.0, pose)
@@ -97,20 +85,22 @@ class SimulatedWorld(ABC):
             raise WorldError(f"world {self.spec.name!r} is closed")
         self._advance([robot.wheel_speeds() for robot in self.robots])
         self._tick += 1
-        self._poses = [self._checked(self._read(index), index) for index in range(len(self.robots))]
+        self.surroundings.robots = [
+            self._checked(self._read(index), index) for index in range(len(self.robots))
+        ]
         for index, robot in enumerate(self.robots):
-            pose = self._poses[index]
+            pose = self.surroundings.robots[index]
             if self._touching(pose, index):
                 robot.collisions += 1
             robot.tick(self._tick, self.time, pose)
 
     def true_pose(self, robot: int = 0) -> Pose:
         """See `base.World.true_pose`."""
-        return self._poses[robot]
+        return self.surroundings.robots[robot]
 
     def movable_pose(self, index: int) -> Pose:
         """Where a movable box really is: its center and heading (m, rad)."""
-        return self._movable_poses[index]
+        return self.surroundings.boxes[index]
 
     def collisions(self, robot: int = 0) -> int:
         """See `base.World.collisions`."""
@@ -118,12 +108,12 @@ class SimulatedWorld(ABC):
 
     def clearance(self, x: float, y: float) -> float:
         """See `base.World.clearance`."""
-        return self._plan.clearance(x, y)
+        return self.surroundings.plan.clearance(x, y)
 
     def place(self, pose: Pose, robot: int = 0) -> None:
         """See `base.World.place`."""
         self._check_place(pose, robot, [index for index in range(len(self.robots)) if index != robot])
-        self._poses[robot] = pose
+        self.surroundings.robots[robot] = pose
         self._put(robot, pose)
         self.robots[robot].start(self._tick, self.time, pose)
 
@@ -134,8 +124,8 @@ class SimulatedWorld(ABC):
             "kind": self.kind,
             "world": self.spec.digest,
             "tick": self._tick,
-            "poses": [[pose.x, pose.y, pose.heading] for pose in self._poses],
-            "movable": [[pose.x, pose.y, pose.heading] for pose in self._movable_poses],
+            "poses": [[pose.x, pose.y, pose.heading] for pose in self.surroundings.robots],
+            "movable": [[pose.x, pose.y, pose.heading] for pose in self.surroundings.boxes],
             "robots": [robot.state() for robot in self.robots],
             "bodies": self._bodies(),
         }
@@ -154,8 +144,8 @@ class SimulatedWorld(ABC):
 
     def _restore(self, state: Mapping[str, Any]) -> None:
         self._tick = int(state["tick"])
-        self._poses = [Pose(*map(float, pose)) for pose in state["poses"]]
-        self._movable_poses = [Pose(*map(float, pose)) for pose in state["movable"]]
+        self.surroundings.robots = [Pose(*map(float, pose)) for pose in state["poses"]]
+        self.surroundings.boxes = [Pose(*map(float, pose)) for pose in state["movable"]]
         self._restore_bodies(state["bodies"])
         for robot, saved in zip(self.robots, state["robots"], strict=True):
             robot.restore(saved)
@@ -164,38 +154,28 @@ class SimulatedWorld(ABC):
         """See `base.World.close`."""
         self._open = False
 
-    def infrared_values(self, index: int, pose: Pose) -> list[float]:
-        """Noise-free raw values of one robot's eight sensors at a pose."""
-        moving = (
-            self._moving.edges_near(index, pose, self._poses, self._movable_poses, self._infrared)
-            if self._moving.count > 1
-            else []
-        )
-        if self._caster is None:
-            fixed = self._seen.edges_near(pose.x, pose.y, self._infrared.reach)
-            return self._infrared.read(pose, fixed + moving if moving else fixed)
-        distances = self._caster.distances(pose)
-        if moving:
-            others = self._infrared.distances(pose, moving)
-            distances = [min(pair) for pair in zip(distances, others, strict=True)]
-        return self._infrared.values(distances)
+    def __enter__(self) -> Self:
+        """The world itself."""
+        return self
 
-    def infrared_model(self) -> InfraredModel:
-        """The response of the infrared sensors."""
-        return self._infrared
+    def __exit__(self, *_: object) -> None:
+        """Closes it."""
+        self.close()
 
-    def render(self, index: int, pose: Pose, width: int, height: int) -> Image:
-        """What one robot's camera sees from a pose, without noise."""
-        return self._views.render(index, pose, self._poses, self._movable_poses, width, height)
+    def __repr__(self) -> str:
+        """The world's name, how many robots, what simulates them, and the time."""
+        count = len(self.surroundings.robots)
+        robots = f"{count} robot{'s' if count > 1 else ''}"
+        kind, closed = self.kind.replace("-", " "), "" if self._open else ", closed"
+        return f"World({self.spec.name!r}, {robots}, {kind}, t={self.time:.1f} s{closed})"
 
     def _touching(self, pose: Pose, index: int) -> bool:
         clearing = self._clearings[index]
         if not (clearing.holds(pose.x, pose.y) or clearing.renew(pose.x, pose.y)):
             return True
-        if self._moving.count == 1:
+        if self.surroundings.alone:
             return False
-        reach = self.geometry.body_radius + TOUCH
-        return bool(self._moving.gaps(pose.x, pose.y, reach, index, self._poses, self._movable_poses))
+        return bool(self.surroundings.moving_gaps(index, pose.x, pose.y, self.geometry.body_radius + TOUCH))
 
     def _checked(self, pose: Pose, index: int) -> Pose:
         if not (abs(pose.x) < FAR_AWAY and abs(pose.y) < FAR_AWAY and math.isfinite(pose.heading)):
@@ -207,18 +187,18 @@ class SimulatedWorld(ABC):
         if not (abs(pose.x) < FAR_AWAY and abs(pose.y) < FAR_AWAY and math.isfinite(pose.heading)):
             raise PlacementError(f"{where}: a start must be finite and within {FAR_AWAY:g} m")
         radius = self.geometry.body_radius
-        gap = self._plan.clearance(pose.x, pose.y)
+        gap = self.surroundings.plan.clearance(pose.x, pose.y)
         if gap < radius:
             raise PlacementError(
                 f"{where} would overlap a wall: its center is {gap:.3f} m from it and needs {radius:.3f} m"
             )
         for other in others:
-            distance = pose.distance_to(self._poses[other])
+            distance = pose.distance_to(self.surroundings.robots[other])
             if distance < 2 * radius:
                 raise PlacementError(
                     f"{where} would overlap robot {other}: {distance:.3f} m apart, {2 * radius:.3f} m needed"
                 )
-        if self._moving.box_gaps(pose.x, pose.y, radius, self._movable_poses):
+        if self.surroundings.box_gaps(pose.x, pose.y, radius):
             raise PlacementError(f"{where} would overlap a movable box: it needs {radius:.3f} m")
 
     @abstractmethod

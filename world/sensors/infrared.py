@@ -1,17 +1,20 @@
-"""The eight infrared sensors: distances to raw values, with the response and the noise of the real ones."""
+"""Infrared: distances to raw values, with the response and the noise of the real sensors."""
 
 from __future__ import annotations
 
 import math
 from bisect import bisect_right
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 
 from ..geometry import Edge, Floats
-from ..noise.model import Noise
+from ..noise.random_streams import normal
 from ..robot import Pose, RobotGeometry
+from .rays import Caster
+from .sensor import Motion, Mounting, Sensor
 
 RAYS = 5
 """Rays over the aperture of one sensor; its value is the mean of their responses."""
@@ -24,6 +27,39 @@ RECESS = 0.005
 has its sensors in it, and they must not look through to the far side."""
 _END = 1e-9
 """How far beyond its ends, as a share of its length, an edge still stops a ray: corners have no slits."""
+
+
+class Infrared(Sensor):
+    """(8,) raw values, 0 to 4095. Noise: normal, its size by raw value as in the response, or the floor's."""
+
+    def __init__(self, mounting: Mounting) -> None:
+        """Prepares the response, and what is high enough for the rays to meet."""
+        geometry, noise = mounting.geometry, mounting.noise
+        self._own, self._surroundings = mounting.own, mounting.surroundings
+        self._model = infrared_model(geometry)
+        self._fixed_edges = self._surroundings.plan_above(geometry.infrared_height).edges_near
+        self._by_casting = self._surroundings.rays != "auto"
+        self._noisy = noise.infrared > 0.0 or noise.infrared_floor > 0.0
+        self._deviations = self._model.deviations(noise.infrared, noise.infrared_floor)
+        self._rows = mounting.streams.rows("infrared", normal, len(geometry.infrared_angles))
+
+    def measure(self, motion: Motion) -> tuple[float, ...]:
+        """The raw values at the pose."""
+        values = self.values(motion.pose)
+        return self._deviations.disturbed(values, self._rows.row()) if self._noisy else tuple(values)
+
+    def values(self, pose: Pose) -> list[float]:
+        """Noise-free raw values at a pose."""
+        model, around = self._model, self._surroundings
+        moving = [] if around.alone else around.moving_edges(self._own, pose, model.reach, model.height)
+        if not self._by_casting:
+            fixed = self._fixed_edges(pose.x, pose.y, model.reach)
+            return model.read(pose, fixed + moving if moving else fixed)
+        distances = model.cast(pose, around.fixed.caster)
+        if moving:
+            others = model.distances(pose, moving)
+            distances = [min(pair) for pair in zip(distances, others, strict=True)]
+        return model.values(distances)
 
 
 class InfraredModel:
@@ -117,6 +153,16 @@ class InfraredModel:
                         found[number] = distance
         return found
 
+    def cast(self, pose: Pose, caster: Caster) -> list[float]:
+        """The same distances as `distances`, by what casts the camera's rays (Embree: single precision)."""
+        origins, directions = self.world_rays(pose)
+        starts, ways = np.empty((len(origins), 3)), np.zeros((len(origins), 3))
+        starts[:, :2], starts[:, 2] = origins - RECESS * directions, self.height
+        ways[:, :2] = directions
+        found, _ = caster.cast(starts, ways)
+        limited: list[float] = np.minimum(found - RECESS, self.range).tolist()
+        return limited
+
     def values(self, distances: Sequence[float]) -> list[float]:
         """Noise-free raw values, one a sensor, for distances (m), sensors * rays of them."""
         table, values, slopes, limit, rays = (
@@ -145,13 +191,20 @@ class InfraredModel:
             means.append(total / rays)
         return means
 
-    def deviations(self, noise: Noise) -> Deviations:
-        """The noise of the sensors: at each raw value of the response, its share of that value."""
+    def deviations(self, factor: float, floor: float) -> Deviations:
+        """The noise: at each raw value of the response, `factor` times its share of that value.
+
+        floor: the standard deviation (raw units) where nothing is in range.
+        """
         values, relative = reversed(self._values), reversed(self._relative)
-        rows = [
-            (value, value * share * noise.infrared) for value, share in zip(values, relative, strict=True)
-        ]
-        return Deviations([(FLOOR, noise.infrared_floor), *rows])
+        rows = [(value, value * share * factor) for value, share in zip(values, relative, strict=True)]
+        return Deviations([(FLOOR, floor), *rows])
+
+
+@lru_cache(maxsize=8)
+def infrared_model(geometry: RobotGeometry) -> InfraredModel:
+    """The model of this robot's sensors; it never changes, so robots share it."""
+    return InfraredModel(geometry)
 
 
 class Deviations:

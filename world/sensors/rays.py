@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import importlib
 from functools import cache
-from typing import Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import EngineMissingError
 from ..geometry import Floats
-from .scene import Faces, Ints
+
+if TYPE_CHECKING:
+    from .scene import Faces, Ints
 
 Rays: TypeAlias = NDArray[np.float64] | NDArray[np.float32]
 """(n, 3) m."""

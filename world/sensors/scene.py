@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import Floats, Point, outline_segments
-from ..spec import Color, Shape
+
+if TYPE_CHECKING:
+    from ..spec import Shape
 
 Ints = NDArray[np.int64]
-_LUMA = np.array((0.2126, 0.7152, 0.0722))
-
-
-def luminance(color: Color) -> float:
-    """How bright a color is, 0..1 (the weights of Rec. 709)."""
-    return float(_LUMA @ np.array(color))
 
 
 class Faces:
@@ -50,12 +47,9 @@ class Faces:
         normals[len(along) :, 2] = 1.0
         return normals
 
-    def albedo(self) -> Floats:
-        """Luminance (count,) of each face's color."""
-        own = np.array([luminance(shape.surface.color) for shape in self.shapes], dtype=np.float64)
-        if not len(own):
-            return np.zeros(0)
-        return np.concatenate((own[self.owners], own))
+    def of_shapes(self, values: Floats) -> Floats:
+        """Values (faces, ...) of the faces, given those (shapes, ...) of their shapes."""
+        return np.concatenate((values[self.owners], values))
 
     def triangles(self) -> tuple[NDArray[np.float32], Ints]:
         """Corners (t, 3, 3) m of triangles that cover the faces, and the face (t,) of each."""
