@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol, TypeAlias
 
@@ -56,6 +57,21 @@ def outline_segments(outlines: Iterable[Sequence[Point]]) -> Floats:
         for start, end in zip(points, (*points[1:], points[0]), strict=True)
     ]
     return np.array(rows, dtype=np.float64).reshape(-1, 4)
+
+
+def _same(angle: float) -> float:
+    return angle
+
+
+@dataclass(frozen=True, slots=True)
+class Similarity:
+    """A map of the floor onto itself: of points (m), headings and boxes' angles (rad), and lengths."""
+
+    point: Callable[[Point], Point]
+    heading: Callable[[float], float] = _same
+    angle: Callable[[float], float] = _same
+    scale: float = 1.0
+    mirrors: bool = False
 
 
 class Upright(Protocol):

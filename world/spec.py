@@ -8,11 +8,11 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, TypeAlias
 
 from .errors import WorldError
-from .geometry import Point, disk, rectangle, signed_area
+from .geometry import Point, Similarity, disk, rectangle, signed_area
 from .robot import Pose
 
 Color: TypeAlias = tuple[float, float, float]
@@ -50,6 +50,12 @@ class Box:
         """Corners (m) on the floor, counter-clockwise."""
         return rectangle(self.x, self.y, self.width, self.depth, self.angle)
 
+    def mapped(self, by: Similarity) -> Box:
+        """The box where `by` puts it; its height stays, as that of all shapes."""
+        x, y = by.point((self.x, self.y))
+        width, depth = self.width * by.scale, self.depth * by.scale
+        return replace(self, x=x, y=y, width=width, depth=depth, angle=by.angle(self.angle))
+
 
 @dataclass(frozen=True, slots=True)
 class Cylinder:
@@ -65,6 +71,11 @@ class Cylinder:
         """Corners (m) of the prism that stands for it in every sensor, counter-clockwise."""
         return disk(self.x, self.y, self.radius)
 
+    def mapped(self, by: Similarity) -> Cylinder:
+        """The cylinder where `by` puts it."""
+        x, y = by.point((self.x, self.y))
+        return replace(self, x=x, y=y, radius=self.radius * by.scale)
+
 
 @dataclass(frozen=True, slots=True)
 class Polygon:
@@ -77,6 +88,10 @@ class Polygon:
     def outline(self) -> tuple[Point, ...]:
         """Corners (m) on the floor, counter-clockwise."""
         return self.points if signed_area(self.points) > 0 else self.points[::-1]
+
+    def mapped(self, by: Similarity) -> Polygon:
+        """The prism where `by` puts it, its points the same way round as before."""
+        return replace(self, points=tuple(map(by.point, self.points[::-1] if by.mirrors else self.points)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +113,11 @@ class Wall:
     def outline(self) -> tuple[Point, ...]:
         """Corners (m) on the floor, counter-clockwise."""
         return self.box().outline()
+
+    def mapped(self, by: Similarity) -> Wall:
+        """The wall where `by` puts it."""
+        start, end = by.point(self.start), by.point(self.end)
+        return replace(self, start=start, end=end, thickness=self.thickness * by.scale)
 
 
 Shape: TypeAlias = Box | Cylinder | Polygon | Wall
@@ -159,6 +179,24 @@ class WorldSpec:
     scenery: Scenery = field(default_factory=Scenery)
     textures: tuple[Texture, ...] = ()
     description: str = ""
+
+    def mapped(self, by: Similarity) -> WorldSpec:
+        """The world with everything where `by` puts it."""
+
+        def pose(of: Pose) -> Pose:
+            return Pose(*by.point((of.x, of.y)), by.heading(of.heading))
+
+        return replace(
+            self,
+            shapes=tuple(shape.mapped(by) for shape in self.shapes),
+            starts=tuple(replace(start, pose=pose(start.pose)) for start in self.starts),
+            robots=tuple(map(pose, self.robots)),
+            movable=tuple(replace(movable, box=movable.box.mapped(by)) for movable in self.movable),
+        )
+
+    def with_starts(self, **poses: Pose) -> WorldSpec:
+        """The world with starts of these names behind those it has."""
+        return replace(self, starts=(*self.starts, *(Start(name, pose) for name, pose in poses.items())))
 
     def start(self, name: str) -> Pose:
         """The pose of the start called `name`.

@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .errors import WorldFileError
 from .geometry import Floats, Plan, Point, cast
 from .robot import EPUCK, Pose, wrap_angle
-from .spec import Start, WorldSpec
+
+if TYPE_CHECKING:
+    from .spec import WorldSpec
 
 BESIDE = 0.057
 """Distance (m) of the robot's center from the wall."""
@@ -34,7 +37,7 @@ def with_starts(
     if place is None:
         return spec
     back = replace(place, heading=wrap_angle(place.heading + math.pi))
-    return replace(spec, starts=(*spec.starts, Start("right", place), Start("left", back)))
+    return spec.with_starts(right=place, left=back)
 
 
 def find_start(

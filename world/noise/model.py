@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 
+from ...files.messages import unknown
 from ..errors import WorldError
 
 
@@ -86,7 +86,7 @@ def resolve_noise(noise: str | Noise | Mapping[str, float | str], scale: float =
         return checked(noise).scaled(scale)
     if isinstance(noise, str):
         if noise not in PRESETS:
-            raise WorldError(f"unknown noise preset {noise!r}; {_hint(noise, PRESETS)}")
+            raise WorldError(unknown("noise preset", noise, PRESETS))
         return PRESETS[noise].scaled(scale)
     base = resolve_noise(str(noise.get("preset", "none")))
     values: dict[str, float] = {}
@@ -94,13 +94,8 @@ def resolve_noise(noise: str | Noise | Mapping[str, float | str], scale: float =
         if name == "preset":
             continue
         if name not in NAMES:
-            raise WorldError(f"unknown noise value {name!r}; {_hint(name, NAMES)}")
+            raise WorldError(unknown("noise value", name, NAMES))
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise WorldError(f"noise {name} must be a number, not {value!r}")
         values[name] = float(value)
     return checked(replace(base, **values)).scaled(scale)
-
-
-def _hint(name: str, known: Mapping[str, object] | tuple[str, ...]) -> str:
-    near = difflib.get_close_matches(name, list(known), 1, 0.5)
-    return f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}"

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
+from ...files.messages import unknown
 from ..errors import WorldError
 from ..robot import RobotGeometry
 from .accelerometer import Accelerometer
@@ -44,9 +44,7 @@ def fitted(
     result = {}
     for name in chosen:
         if name not in SENSORS:
-            near = difflib.get_close_matches(str(name), SENSORS, 1, 0.5)
-            hint = f"did you mean {near[0]!r}?" if near else f"known: {', '.join(SENSORS)}"
-            raise WorldError(f"unknown sensor {name!r}; {hint}")
+            raise WorldError(unknown("sensor", name, SENSORS))
         timing = SENSORS[name].timing.changed(name, (sensing or {}).get(name, {}))
         timing.ticks(name)
         result[name] = SENSORS[name], timing
