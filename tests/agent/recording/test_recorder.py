@@ -4,6 +4,7 @@ import contextlib
 import errno
 import io
 import os
+from dataclasses import replace
 from enum import Enum
 from pathlib import Path
 from typing import Any
@@ -100,6 +101,34 @@ def test_a_replay_of_the_same_agent_is_identical_to_the_bit(tmp_path: Path) -> N
     robot = replayed(tmp_path / "run.mcap", Curious())
     assert robot.difference is None
     assert robot.ticks == 40
+
+
+class Ranging(Curious):
+    """Slows down by what a further sensor reads, and looks in color."""
+
+    def propose(self, percept: RobotPercept, context: Context) -> Proposal | None:
+        (ahead,) = percept.readings["range"]
+        return Proposal(WheelCommand(100.0 * ahead, 100.0 * ahead), 0.5, "ranging")
+
+
+def test_readings_of_further_sensors_and_color_images_are_recorded_and_replayed(tmp_path: Path) -> None:
+    percepts = [replace(percept(tick=tick), readings={"range": (2.0 - tick / 7,)}) for tick in range(9)]
+    picture = np.random.default_rng(1).random((6, 8, 3), dtype=np.float32)
+    agent = Agent(ScriptedRobot(percepts, image=picture), [Ranging()])
+    recorder = Recorder(tmp_path / "run.mcap", agent, {"seed": 0})
+    recorder.start()
+    agent.start("curious")
+    for _ in range(9):
+        agent.tick()
+    agent.robot.look(8, 6, color=True)
+    recorder.close()
+    ticks = read_recording(tmp_path / "run.mcap").ticks
+    assert [tick.percept.readings for tick in ticks] == [given.readings for given in percepts]
+    assert np.array_equal(ticks[-1].images[0], picture)
+    replay = ReplayWorld(read_recording(tmp_path / "run.mcap")).robot
+    replay.ticks = 8
+    assert np.array_equal(replay.look(8, 6, color=True), picture)
+    assert replayed(tmp_path / "run.mcap", Ranging()).ticks == 8  # the image came after the last tick
 
 
 class Changed(Curious):
