@@ -23,7 +23,7 @@ def printable(text: str, keep: str = "") -> str:
     Control characters, line breaks, marks of direction and lone surrogates become `\x1b`, `\n`, `\u202e`.
     keep: characters that stay as they are, such as a line break.
     """
-    if text.isprintable():
+    if text.isprintable() or text.translate(dict.fromkeys(map(ord, keep))).isprintable():
         return text
     return "".join(each if _is_shown(each) or each in keep else _escaped(each) for each in text)
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..agent.behavior import Behavior
+from ..files.writing import atomic_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -49,7 +50,10 @@ def draw(cls: type[Behavior], path: Path) -> None:
         axes.set_title(f"{cls.name} (priority {cls.priority})")
         _draw_states(axes, cls)
         metadata = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
-        figure.savefig(path, dpi=100, metadata=metadata.get(path.suffix.lower(), {"Software": None}))
+        suffix = path.suffix.lower()
+        with atomic_file(path, replace=True) as file:
+            kind = suffix.removeprefix(".") or None
+            figure.savefig(file, format=kind, dpi=100, metadata=metadata.get(suffix, {"Software": None}))
 
 
 def _places(states: list[Enum]) -> dict[Enum, tuple[float, float]]:

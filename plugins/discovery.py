@@ -7,7 +7,6 @@ classes they define. A broken plugin nobody asked for is kept in `Catalog.broken
 from __future__ import annotations
 
 import contextlib
-import difflib
 import hashlib
 import importlib.util
 import inspect
@@ -24,6 +23,7 @@ from ..agent.arbitration.mediator import Mediator
 from ..agent.behavior import Behavior, check_declarations
 from ..agent.containment import describe
 from ..agent.errors import AgentError, ConfigError
+from ..files.messages import unknown
 from .errors import BrokenPluginError, DuplicatePluginError, IsolationError, PluginError, UnknownPluginError
 from .isolation.proxy import Subprocess, describe_file, isolated_class
 
@@ -77,11 +77,8 @@ class Catalog:
         known = self._plugins[group]
         if name in known:
             return known[name]
-        nearest = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
-        hint = f"did you mean {nearest[0]!r}? " if nearest else ""
-        names = ", ".join(sorted(known)) or "none"
         broken = "".join(f"; could not be read: {origin} ({why})" for origin, why in self.broken.items())
-        raise UnknownPluginError(f"unknown {_KINDS[group]} {name!r}; {hint}known: {names}{broken}")
+        raise UnknownPluginError(unknown(_KINDS[group], name, sorted(known)) + broken)
 
 
 def discover(folders: Iterable[Path | str] = (), isolate: bool | Collection[str] = False) -> Catalog:

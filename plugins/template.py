@@ -6,6 +6,7 @@ import keyword
 import re
 from pathlib import Path
 
+from ..files.writing import write_text
 from .discovery import discover
 from .errors import DuplicatePluginError, PluginError
 
@@ -135,5 +136,5 @@ def write_plugin(name: str, folder: Path) -> tuple[Path, Path]:
     for path, text in zip(paths, (BEHAVIOR, TEST), strict=True):
         for key, value in replacements.items():
             text = text.replace(key, value)
-        path.write_text(text)
+        write_text(path, text)
     return paths

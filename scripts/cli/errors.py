@@ -5,18 +5,11 @@ Standard library alone: loaded before the number of threads is fixed.
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterable
+from ...files.messages import did_you_mean as did_you_mean
 
 
 class UsageError(ValueError):
     """A command line, or a file it names, that cannot be used; one line."""
-
-
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """`; did you mean X?` for the nearest known name, or nothing when none is near."""
-    near = difflib.get_close_matches(name, list(known), n=1, cutoff=0.5)
-    return f"; did you mean {near[0]}?" if near else ""
 
 
 def describe(error: BaseException) -> str:

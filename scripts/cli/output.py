@@ -16,44 +16,40 @@ from typing import Any, TextIO
 
 import numpy as np
 
+from ...files.messages import FileError
+from ...files.reading import open_regular
+from ...files.writing import check_target
 from .errors import UsageError
 
 
 def check_input(path: Path, what: str) -> Path:
-    """The path of an existing, readable file.
+    """The path of an existing, regular, readable file.
 
     Raises: UsageError, which names the file and says what it should be.
     """
     if not path.exists():
         raise UsageError(f"{path}: there is no such {what}")
-    if not path.is_file():
-        raise UsageError(f"{path} is not a file but should be a {what}")
-    if not os.access(path, os.R_OK):
-        raise UsageError(f"{path}: no permission to read this {what}")
+    try:
+        open_regular(path).close()
+    except FileError as error:
+        raise UsageError(f"{error}; it should be a {what}") from None
     return path
 
 
 def check_output(path: Path, *, replace: bool, hint: str = "--force replaces it") -> Path:
     """The path, when a file can be written there; called before the work whose result it takes.
 
-    Nothing is left behind. Raises: UsageError if the folder is missing or not writable, or if something
-    stands there and `replace` is off; the message ends with `hint`.
+    Nothing is left behind. Raises: UsageError if the folder is missing or not writable, if there is something
+    else than a regular file, or a file and `replace` is off; the message ends with `hint` then.
     """
-    folder = path.parent
-    if path.is_dir():
-        raise UsageError(f"{path} is a folder; name a file in it")
-    if not folder.is_dir():
-        raise UsageError(f"{path}: there is no folder {folder}")
-    if path.exists() and not replace:
-        raise UsageError(f"{path} exists; {hint}")
     try:
+        folder = check_target(path, replace=replace, hint=hint).parent
         with tempfile.TemporaryFile(dir=folder):
-            pass
+            return path
+    except FileError as error:
+        raise UsageError(str(error)) from None
     except OSError as error:
-        raise UsageError(f"{path}: cannot write in {folder}: {error.strerror}") from error
-    if path.exists() and not os.access(path, os.W_OK):
-        raise UsageError(f"{path}: no permission to replace it")
-    return path
+        raise UsageError(f"{path}: cannot write in {path.parent}: {error.strerror}") from None
 
 
 def plain(value: Any) -> Any:

@@ -16,6 +16,7 @@ from typing import NoReturn
 
 from .command import Command
 from .errors import UsageError, describe, did_you_mean, status_of
+from .streams import escaped_streams
 
 COMMANDS = {
     "worlds": "worlds:COMMAND",
@@ -126,6 +127,11 @@ def parse(arguments: Sequence[str]) -> tuple[Command, argparse.Namespace]:
 
 def execute(arguments: Sequence[str]) -> int:
     """Runs a command line and returns its exit status."""
+    with escaped_streams():
+        return _execute(arguments)
+
+
+def _execute(arguments: Sequence[str]) -> int:
     try:
         command, namespace = parse(arguments)
         status = command.run(namespace)

@@ -17,6 +17,7 @@ from matplotlib.patches import Circle, FancyArrowPatch, Patch
 from matplotlib.patches import Polygon as PolygonPatch
 from numpy.typing import NDArray
 
+from ...files.writing import atomic_file
 from ...world.robot import EPUCK, Pose
 from .style import ArcLine, Drawing, Lattice, extent, placed
 
@@ -197,4 +198,6 @@ def save_drawing(drawing: Drawing, path: Path) -> None:
     """Writes the picture; the suffix of `path` says whether PNG, SVG or PDF."""
     kind = path.suffix.lower().lstrip(".")
     with mpl.rc_context({"svg.hashsalt": "tolman", "font.family": "DejaVu Sans", "path.simplify": True}):
-        compose_figure(drawing).savefig(path, format=kind, dpi=DOTS_PER_INCH, metadata=NO_DATES[kind])
+        figure = compose_figure(drawing)
+        with atomic_file(path, replace=True) as file:
+            figure.savefig(file, format=kind, dpi=DOTS_PER_INCH, metadata=NO_DATES[kind])

@@ -88,8 +88,9 @@ def _free(keys: dict[str, Entry], document: Entry, folder: Path) -> Mask:
     free_below = keys["free_thresh"].number(0.0, 1.0) if "free_thresh" in keys else 0.196
     if free_below > occupied_above:
         raise keys.get("free_thresh", document).error(f"{free_below:g} is above occupied_thresh")
+    path = folder / keys["image"].text()
     try:
-        image, opaque = read_bitmap(folder / keys["image"].text())
+        image, opaque = read_bitmap(path)
     except WorldFileError as error:
         raise keys["image"].error(str(error)) from None
     return free_cells(image, mode, occupied_above, free_below, negate, opaque)

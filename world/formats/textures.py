@@ -45,8 +45,9 @@ def _texture(name: str, entry: Entry, folder: Path | None) -> Texture:
 def _from_file(name: str, entry: Entry, folder: Path | None) -> Texture:
     if folder is None:
         raise entry.error("bitmaps can only be named in a world file on disk")
+    path = folder / entry.text()
     try:
-        image = read_bitmap(folder / entry.text(), MAX_SIDE**2).gray
+        image = read_bitmap(path, MAX_SIDE**2).gray
     except WorldFileError as error:
         raise entry.error(str(error)) from None
     if max(image.shape) > MAX_SIDE:

@@ -14,6 +14,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ....files.reading import read_text
+from ....files.writing import write_text
 from ...experiments.campaign.kinds import ENVIRONMENTS, FIRST_SEED
 from ..command import Command
 from ..errors import UsageError
@@ -144,10 +146,10 @@ def run(options: argparse.Namespace) -> int:
             pictures = _draw(page, options.figures, base)
     if options.json is not None:
         values = plain(page.values())
-        options.json.write_text(json.dumps(values, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        write_text(options.json, json.dumps(values, indent=2, allow_nan=False) + "\n", replace=True)
     text = page.text(pictures)
     if options.report is not None:
-        options.report.write_text(text, encoding="utf-8")
+        write_text(options.report, text, replace=True)
         print(f"{options.report}: written")
     else:
         print(text, end="")
@@ -177,7 +179,7 @@ def _page(options: argparse.Namespace) -> Page:
         options.environments or ENVIRONMENTS,
         tuple(import_world(source, options.work) for source in options.imported),
     )
-    notes = "" if options.notes is None else options.notes.read_text(encoding="utf-8").strip()
+    notes = "" if options.notes is None else read_text(options.notes, 1_000_000).strip()
     return Page(plan, studies, asked, options.work, notes)
 
 

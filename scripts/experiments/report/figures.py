@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
+from ....files.writing import atomic_file
 from ....world.arenas.catalog import find_world
 from ...drawing.plot import DOTS_PER_INCH, NO_DATES, NODE, WALL
 from ..campaign.jobs import SIDES
@@ -31,8 +32,8 @@ def draw_figures(plan: Plan, outcome: Outcome, work: Path, folder: Path, base: P
     pictures = []
     for name, title, figure in _figures(plan, outcome, work):
         path = folder / f"{name}.png"
-        with mpl.rc_context({"font.family": "DejaVu Sans"}):
-            figure.savefig(path, format="png", dpi=DOTS_PER_INCH, metadata=NO_DATES["png"])
+        with mpl.rc_context({"font.family": "DejaVu Sans"}), atomic_file(path, replace=True) as file:
+            figure.savefig(file, format="png", dpi=DOTS_PER_INCH, metadata=NO_DATES["png"])
         pictures.append((title, Path(os.path.relpath(path, base)).as_posix()))
     return pictures
 

@@ -50,10 +50,10 @@ def test_every_command_explains_itself(capsys: pytest.CaptureFixture[str], name:
     ("arguments", "expected"),
     [
         ([], "name a command"),
-        (["mpa"], "did you mean map?"),
+        (["mpa"], "did you mean 'map'?"),
         (["map"], "required: WORLD, -o/--output"),
-        (["map", "env1", "-o", "m", "--max-node", "3"], "did you mean --max-nodes?"),
-        (["map", "env1", "-o", "m", "--side", "rihgt"], "did you mean right?"),
+        (["map", "env1", "-o", "m", "--max-node", "3"], "did you mean '--max-nodes'?"),
+        (["map", "env1", "-o", "m", "--side", "rihgt"], "did you mean 'right'?"),
         (["map", "env1", "-o", "m", "--max-nodes", "0"], "0 is not in 1.."),
         (["map", "env1", "-o", "m", "--seed", "-1"], "-1 is not in 0.."),
         (["map", "env1", "-o", "m", "--max-time", "nan"], "nan is not a number > 0"),
@@ -76,7 +76,7 @@ def test_bad_usage_is_one_line_and_status_2(
 
 
 def test_suggestions_are_made_for_near_names_alone() -> None:
-    assert did_you_mean("env11", ["env1", "office"]) == "; did you mean env1?"
+    assert did_you_mean("env11", ["env1", "office"]) == "; did you mean 'env1'?"
     assert did_you_mean("zzz", ["env1", "office"]) == ""
 
 
@@ -131,7 +131,7 @@ def test_checking_an_output_leaves_nothing_behind(tmp_path: Path) -> None:
 def test_a_missing_input_is_named(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"nowhere\.tolman: there is no such map"):
         check_input(tmp_path / "nowhere.tolman", "map")
-    with pytest.raises(UsageError, match="is not a file"):
+    with pytest.raises(UsageError, match="a folder, not a file; name a regular file; it should be a map"):
         check_input(tmp_path, "map")
 
 

@@ -1,6 +1,7 @@
 """The picture of a map: what is in it, and that its bytes depend on nothing else."""
 
 import math
+import os
 import subprocess
 import sys
 from dataclasses import replace
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgba
 from matplotlib.patches import Circle
+from tolman.files.messages import FileError
 from tolman.scripts.drawing.plot import BLOCKED, CORNERS, FORAY, compose_figure, save_drawing
 from tolman.scripts.drawing.style import ArcLine, Drawing, Lattice, extent, placed
 from tolman.world.robot import Pose
@@ -110,3 +112,10 @@ def test_an_arc_from_a_node_to_itself_is_a_ring_around_it() -> None:
     drawing = replace(sample(), arcs=[ArcLine(0, 0, 0.5)], shapes=(), lattices={})
     rings = [patch for patch in compose_figure(drawing).axes[0].patches if not patch.get_fill()]
     assert [isinstance(ring, Circle) and ring.center for ring in rings] == [(0.06, 0.06)]
+
+
+def test_a_picture_is_no_pipe_and_leaves_nothing_beside_it(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.png")
+    with pytest.raises(FileError, match=r"pipe\.png is a device, a pipe or a socket"):
+        save_drawing(Drawing("empty", {}), tmp_path / "pipe.png")
+    assert os.listdir(tmp_path) == ["pipe.png"]

@@ -29,7 +29,7 @@ def test_the_command_line_offers_the_profiles_there_are() -> None:
 
 
 def test_an_unknown_profile_is_refused_with_the_nearest() -> None:
-    with pytest.raises(SessionError, match="did you mean thesis"):
+    with pytest.raises(SessionError, match="did you mean 'thesis'"):
         find_profile("thesiss")
 
 
