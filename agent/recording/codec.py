@@ -90,30 +90,41 @@ _CLASSES = known_classes()
 def decode(value: Any) -> Any:
     """The value that `encode` was given, as far as its classes are known.
 
-    Raises: CodecError for a known class with unknown or missing fields.
+    Raises: CodecError for a known class with unknown or missing fields, and for what `encode` never makes.
     """
+    try:
+        return _decode(value)
+    except (TypeError, ValueError, LookupError, RecursionError, OverflowError) as fault:
+        raise CodecError(f"not a recorded value: {fault}") from fault
+
+
+def _decode(value: Any) -> Any:
     if isinstance(value, list):
-        return [decode(item) for item in value]
+        return [_decode(item) for item in value]
     if not isinstance(value, dict):
         return value
     if "$tuple" in value:
-        return tuple(decode(item) for item in value["$tuple"])
+        return tuple(_decode(item) for item in value["$tuple"])
     if "$float" in value:
         return float(value["$float"])
     if "$array" in value:
-        return np.array(value["$array"], dtype=np.dtype(str(value["dtype"])))
+        return _array(value)
     if "$enum" in value:
         name, _, member = str(value["$enum"]).partition(".")
         cls = _CLASSES.get(name)
         return cls[member] if cls is not None and issubclass(cls, Enum) else value["$enum"]
-    body = {key: decode(item) for key, item in value.items() if key != "$"}
+    body = {key: _decode(item) for key, item in value.items() if key != "$"}
     cls = _CLASSES.get(str(value.get("$", "")))
     if cls is None:
         return body if "$" not in value else {"$": value["$"], **body}
-    try:
-        return cls(**body)
-    except TypeError as fault:
-        raise CodecError(f"{cls.__name__}: {fault}") from fault
+    return cls(**body)
+
+
+def _array(value: dict[str, Any]) -> Any:
+    dtype = np.dtype(str(value["dtype"]))
+    if dtype.kind not in "biuf":
+        raise CodecError(f"an array of {dtype}, not of numbers")
+    return np.array(value["$array"], dtype=dtype)
 
 
 def loads(text: str) -> Any:

@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
+from ...files.messages import printable, quoted
 from ...world.robot import CONTROL_PERIOD
 from .reader import RecordedTick, Recording
 
@@ -31,11 +32,16 @@ def _told(recorded: Sequence[RecordedTick], changes_only: bool) -> Iterator[str]
     for tick in recorded:
         for text in tick.events:
             event = json.loads(text)
-            line = describe_event(event)
-            if changes_only and event.get("$") != "ControlChanged":
-                continue
-            yield f"{event.get('time', tick.percept.time):9.3f} s  {line}"
+            if not changes_only or event.get("$") == "ControlChanged":
+                yield printable(_line(event, tick.percept.time))
     yield from _shares(recorded)
+
+
+def _line(event: Mapping[str, Any], now: float) -> str:
+    try:
+        return f"{float(event.get('time', now)):9.3f} s  {describe_event(event)}"
+    except (TypeError, ValueError, LookupError, AttributeError):  # of a recording that holds anything
+        return f"{now:9.3f} s  an event that cannot be told: {quoted(event)}"
 
 
 def describe_event(event: Mapping[str, Any]) -> str:
@@ -98,4 +104,4 @@ def _shares(recorded: Sequence[RecordedTick]) -> Iterable[str]:
         ticks[driver] = ticks.get(driver, 0) + 1
     total = sum(ticks.values())
     for driver, count in sorted(ticks.items(), key=lambda item: (-item[1], item[0])):
-        yield f"{driver} drove {count * CONTROL_PERIOD:.1f} s ({count / total:.0%})"
+        yield f"{printable(driver)} drove {count * CONTROL_PERIOD:.1f} s ({count / total:.0%})"

@@ -260,6 +260,8 @@ def _command(tick: RecordedTick, value: Mapping[str, Any]) -> None:
 
 
 def _event(tick: RecordedTick, value: Mapping[str, Any]) -> None:
+    if not isinstance(value["event"], dict):
+        raise RecordingError(f"an event is {quoted(value['event'])}, not an object")
     tick.events.append(json.dumps(value["event"], separators=(",", ":"), sort_keys=True))
 
 

@@ -83,7 +83,7 @@ class RecordedRobot:
         if percept.tick != self._tick:
             self._tick = percept.tick
             values = {each.name: _numbers(getattr(percept, each.name)) for each in fields(percept)}
-            self._put("/percept", values)
+            self._put("/percept", {name: value for name, value in values.items() if value != {}})
         return percept
 
     def look(self, width: int = 16, height: int = 16, color: bool = False) -> Image:

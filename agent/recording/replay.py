@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self
 
+from ...files.messages import printable
 from ...world.robot import CONTROL_PERIOD, EPUCK, EPUCK2, Image, Percept, Pose, RobotGeometry, WheelCommand
 from ..errors import RecordingError
 from ..events import Event
@@ -194,5 +195,5 @@ def _item(events: Sequence[str], index: int) -> str:
 
 
 def _short(value: Any) -> str:
-    text = str(value)
+    text = printable(str(value))
     return text if len(text) <= 200 else text[:200] + "..."

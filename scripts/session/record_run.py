@@ -14,6 +14,7 @@ from ...agent import Agent
 from ...agent.recording.recorder import Recorder
 from ...world import World
 from .settings import load_settings
+from .trust import code_of
 
 
 @contextlib.contextmanager
@@ -44,6 +45,7 @@ def recorded(
         "robots": len(world.robots),
         "geometry": agent.robot.geometry.name,
         "version": version("tolman"),
+        "code": code_of(request.plugins),
     }
     truths = [partial(world.true_pose, index) for index in range(len(world.robots))]
     further = list(zip(others, truths[1:], strict=False))

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
+from ...agent.containment import describe
 from ...agent.errors import RecordingError
 from ...agent.missions.journal import Journal
 from ...agent.missions.mission import Mission
@@ -26,6 +28,7 @@ from .profiles import find_profile, make_navigator
 from .requests import GoRequest, MapRequest, Progress
 from .settings import Settings, recorded_settings
 from .trip_run import Trip, start_of
+from .trust import permitted
 
 
 def _silent(progress: Progress) -> None:
@@ -34,12 +37,16 @@ def _silent(progress: Progress) -> None:
 
 @dataclass(frozen=True, slots=True)
 class ReplayReport:
-    """What a replay found. ticks: how many were the same, of `recorded` ones."""
+    """What a replay found. ticks: how many were the same, of `recorded` ones.
+
+    complete: whether the recording was not cut off.
+    """
 
     kind: str
     ticks: int
     recorded: int
     difference: Difference | None
+    complete: bool = True
 
     @property
     def identical(self) -> bool:
@@ -47,9 +54,23 @@ class ReplayReport:
         return self.difference is None and self.ticks >= self.recorded
 
 
-def replay(path: Path) -> ReplayReport:
-    """Replays a recorded session. Raises: RecordingError if it cannot be made again here."""
+def replay(path: Path, trust: bool = False, tell: Callable[[str], None] = lambda text: None) -> ReplayReport:
+    """Replays a recorded session. Raises: RecordingError if it cannot be made again here.
+
+    trust: whether code may run that is not on this machine as it was recorded. tell: is told what code will.
+    """
     recording = read_recording(path)
+    for text in permitted(path, recording, trust):
+        tell(text)
+    try:
+        return _replayed(path, recording)
+    except (TypeError, ValueError, LookupError, AttributeError, OverflowError) as fault:
+        if type(fault).__module__.startswith("tolman."):
+            raise  # it says in one line what is wrong; the others come of a header that holds anything
+        raise RecordingError(f"{path}: its session cannot be made again ({describe(fault)})") from fault
+
+
+def _replayed(path: Path, recording: Recording) -> ReplayReport:
     kind = str(recording.header.get("kind"))
     if kind not in _REPLAYS:
         raise RecordingError(f"{path}: a recording of kind {kind!r}; known: {', '.join(_REPLAYS)}")
@@ -62,7 +83,7 @@ def replay(path: Path) -> ReplayReport:
     with contextlib.suppress(ReplayEnded), tempfile.TemporaryDirectory() as folder:
         _REPLAYS[kind](recording, world, Path(folder))
     complete = sum(tick.command is not None for tick in recording.ticks)
-    return ReplayReport(kind, world.robot.ticks, complete, world.difference)
+    return ReplayReport(kind, world.robot.ticks, complete, world.difference, recording.complete)
 
 
 def _replay_mapping(recording: Recording, world: ReplayWorld, folder: Path) -> None:

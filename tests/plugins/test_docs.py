@@ -1,7 +1,9 @@
 from __future__ import annotations
 
 import re
+import sys
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 from tolman.agent.missions.dry_run import dry_run
@@ -28,6 +30,15 @@ def test_the_two_missions_of_the_docs_say_the_same(tmp_path: Path) -> None:
         plans.append(dry_run(Mission.load(path)))
     assert plans[0].problems == plans[1].problems == []
     assert plans[0].lines[:2] == plans[1].lines[:2] == ["Explore(side='left')", "Save(path='a.tolman')"]
+
+
+def test_the_step_of_the_docs_is_one(tmp_path: Path) -> None:
+    example = sys.modules["example"] = ModuleType("example")  # where the types of its fields are looked up
+    exec(compile(PYTHON.findall((DOCS / "missions.md").read_text())[1], "missions.md", "exec"), vars(example))
+    path = tmp_path / "m.yaml"
+    path.write_text("steps: [count_ticks: 5]")
+    plan = dry_run(Mission.load(path, further=[example.CountTicks]))
+    assert (plan.lines, plan.problems) == (["CountTicks(ticks=5)"], [])
 
 
 def test_every_step_is_in_the_docs() -> None:

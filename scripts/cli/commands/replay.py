@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from dataclasses import asdict
 from pathlib import Path
 
-from ....agent.recording.explain import timeline
+from ....agent.recording.explain import CUT_OFF, timeline
 from ....agent.recording.reader import read_recording
 from ..command import Command
 from ..options import add_json
@@ -18,18 +19,29 @@ def _add_recording(parser: argparse.ArgumentParser) -> None:
     add_json(parser)
 
 
+def _add_replay(parser: argparse.ArgumentParser) -> None:
+    _add_recording(parser)
+    parser.add_argument(
+        "--trust",
+        action="store_true",
+        help="run its mission and plugins too where they are not here as recorded",
+    )
+
+
 def _replay(options: argparse.Namespace) -> int:
     from ...session.replay_run import (
         replay,  # here: it loads maps and sessions, which `explain` does not need
     )
 
     with stdout_to_stderr():
-        report = replay(options.recording)
+        report = replay(
+            options.recording, options.trust, lambda text: print(f"replay runs {text}", file=sys.stderr)
+        )
     if options.json:
         values = asdict(report) | {"identical": report.identical}
         print_json(values)
     elif report.identical:
-        print(f"identical: {report.ticks} ticks")
+        print(f"identical: {report.ticks} ticks{'' if report.complete else '; ' + CUT_OFF}")
     elif report.difference is not None:
         print(f"first difference at {report.difference.text()}")
     else:
@@ -55,8 +67,9 @@ COMMAND = Command(
     "replay",
     "re-run a recorded session and report the first difference",
     "Runs the agent again on the percepts and images of a recording and compares proposals, commands and\n"
-    "events to the bit. Status 0: identical; 1: not, and the first difference is printed.",
-    _add_recording,
+    "events to the bit. Status 0: identical; 1: not, and the first difference is printed. Code runs only\n"
+    "where it is on this machine as it was recorded, or with --trust.",
+    _add_replay,
     _replay,
 )
 EXPLAIN = Command(

@@ -5,10 +5,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from tolman.agent import Agent
 from tolman.agent.errors import RecordingError
 from tolman.agent.recording.reader import read_recording
+from tolman.agent.recording.recorder import Recorder
 from tolman.maps.hybrid_map import HybridMap
 from tolman.maps.storage.map_file import read_truth
+from tolman.plugins.testing import ScriptedRobot, percept
 from tolman.scripts.cli.program import execute
 from tolman.scripts.session import map_world
 from tolman.scripts.session.assembly import make_agent, make_world
@@ -136,3 +139,82 @@ def test_a_recording_of_another_world_of_that_name_is_refused(
     assert run.record is not None
     with pytest.raises(RecordingError, match="recorded in another env1"):
         replay(run.record)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("request", None),
+        ("request", []),
+        ("request", {}),
+        ("request", {"world": "env1", "scale": "much"}),
+        ("request", {"world": "env1", "profile": 5, "global_only": []}),
+        ("request", {"world": "env1", "plugins": 5}),
+        ("request", {"world": "env1", "seed": {}}),
+        ("kind", {}),
+        ("kind", "mission"),
+        ("settings", 5),
+        ("geometry", "tank"),
+        ("world_digest", 3),
+        ("robots", "many"),
+        ("seed", "x"),
+    ],
+)
+def test_a_header_that_holds_anything_is_one_line(
+    run: MapRequest, tmp_path: Path, name: str, value: object, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run.record is not None
+    recording = read_recording(run.record)
+    header = dict(recording.header) | {name: value}
+    agent = Agent(ScriptedRobot([percept()]), [])
+    recorder = Recorder(tmp_path / "r.mcap", agent, header)
+    recorder.start()
+    agent.tick()
+    recorder.close()
+    assert execute(["replay", str(tmp_path / "r.mcap")]) in (1, 2)
+    told = capsys.readouterr()
+    assert len((told.err + told.out).strip().splitlines()) == 1
+
+
+PLUGIN = """
+from enum import Enum
+from tolman.agent import Behavior
+class Loud(Behavior):
+    '''Says that it was imported.'''
+    class States(Enum):
+        ON = "on"
+    name = "loud"
+    initial = States.ON
+    def on(self, percept, context):
+        return None
+    def propose(self, percept, context):
+        return None
+"""
+
+
+def test_code_runs_only_where_it_is_as_it_was_recorded_or_trusted(
+    run: MapRequest, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "plugins"
+    folder.mkdir()
+    (folder / "loud.py").write_text(PLUGIN)
+    record = tmp_path / "r.mcap"
+    map_world(replace(run, output=tmp_path / "m", record=record, max_nodes=2, plugins=(folder,)))
+    assert execute(["replay", str(record)]) == 0
+    assert f"replay runs the plugins in {folder} (here as recorded)" in capsys.readouterr().err
+    (folder / "loud.py").write_text(PLUGIN + f"open({str(tmp_path / 'proof')!r}, 'w').close()")
+    assert execute(["replay", str(record)]) == 2
+    assert f"would run the plugins in {folder} (not here as recorded)" in capsys.readouterr().err
+    assert not (tmp_path / "proof").exists()
+    assert execute(["replay", str(record), "--trust"]) == 0
+    assert (tmp_path / "proof").exists()
+
+
+def test_a_recording_that_is_cut_off_is_replayed_as_far_as_it_goes(
+    run: MapRequest, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run.record is not None
+    data = run.record.read_bytes()
+    (tmp_path / "r").write_bytes(data[: len(data) // 2])
+    assert execute(["replay", str(tmp_path / "r")]) == 0
+    assert "the recording is cut off here" in capsys.readouterr().out
