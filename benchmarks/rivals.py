@@ -110,11 +110,7 @@ def _raw_planar(world: Any) -> Callable[[], None]:
     half = CONTROL_PERIOD / SUBSTEPS / 2
 
     def step() -> None:
-        left, right = _circling(next(tick))
-        speed, turn = (
-            EPUCK.wheel_radius * (left + right) / 2,
-            EPUCK.wheel_radius * (right - left) / EPUCK.track,
-        )
+        speed, turn = _speed_and_turn(next(tick))
         for _ in range(SUBSTEPS):
             heading = robot.getPosition(2) + turn * half
             robot.setCommands([speed * math.cos(heading), speed * math.sin(heading), turn])
@@ -128,6 +124,12 @@ def _circling(tick: int) -> tuple[float, float]:
     """Wheel speeds (rad/s) that change every tick: ahead and back on the spot, slowly turning."""
     ahead = 1.46 if tick // 100 % 2 == 0 else -1.46
     return ahead, ahead + 0.01 * (tick % 7)
+
+
+def _speed_and_turn(tick: int) -> tuple[float, float]:
+    """The same for who has no wheels (m/s, rad/s)."""
+    left, right = _circling(tick)
+    return EPUCK.wheel_radius * (left + right) / 2, EPUCK.wheel_radius * (right - left) / EPUCK.track
 
 
 def ir_sim(boxes: Sequence[Box], side: float) -> Callable[[], None] | None:
@@ -162,11 +164,7 @@ def ir_sim(boxes: Sequence[Box], side: float) -> Callable[[], None] | None:
     tick = iter(range(2**62))
 
     def step() -> None:
-        left, right = _circling(next(tick))
-        speed, turn = (
-            EPUCK.wheel_radius * (left + right) / 2,
-            EPUCK.wheel_radius * (right - left) / EPUCK.track,
-        )
+        speed, turn = _speed_and_turn(next(tick))
         env.step(np.array([[speed], [turn]]))
         env.get_lidar_scan()
 

@@ -8,15 +8,15 @@ from __future__ import annotations
 
 import argparse
 import io
-import multiprocessing
+import json
 import resource
 import signal
 import sys
 import tempfile
 import warnings
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from tolman.world import WorldFileError
@@ -25,6 +25,8 @@ from tolman.world.formats.maze import parse_maze
 from tolman.world.formats.rosmap import parse_ros_map
 from tolman.world.formats.webots import parse_webots
 from tolman.world.formats.worldfile import parse_world
+
+from .children import in_child
 
 MEMORY_LIMIT = 500 * 2**20
 """Bytes that a reader may take beyond what the interpreter holds."""
@@ -120,10 +122,10 @@ def check(name: str, seed: int) -> bool:
     return True
 
 
-def stress(name: str, mutations: int, told: Any) -> None:
-    """Checks one reader in this process and sends what came of it: valid files, faults, bytes used.
+def stress(name: str, mutations: int, tell: Callable[[bytes], object]) -> None:
+    """Checks one reader in this process and tells what came of it: valid files, faults, bytes used.
 
-    Before each file its seed is sent, so that a death can be blamed on it. Memory is capped: what asks for
+    Before each file its seed is told, so that a death can be blamed on it. Memory is capped: what asks for
     more gets a MemoryError, a fault like any other exception.
     """
     signal.signal(signal.SIGALRM, signal.SIG_DFL)  # so that an alarm kills, also out of C code
@@ -133,14 +135,14 @@ def stress(name: str, mutations: int, told: Any) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (_address_space() + MEMORY_LIMIT, resource.RLIM_INFINITY))
     valid, faults = 0, []
     for seed in range(mutations):
-        told.send(seed)
+        tell(f"{seed}\n".encode())
         signal.alarm(PATIENCE)
         try:
             valid += check(name, seed)
         except Exception as error:
             faults.append(f"{name}, seed {seed}: {type(error).__name__}: {error}")
     signal.alarm(0)
-    told.send((valid, faults, _memory() - before))
+    tell(json.dumps([valid, faults, _memory() - before]).encode())
 
 
 def _memory() -> int:
@@ -154,23 +156,13 @@ def _address_space() -> int:
 
 def campaign(name: str, mutations: int) -> tuple[int, list[str], int]:
     """(valid files, faults, bytes of memory used at most) of so many mutations for one reader."""
-    context = multiprocessing.get_context("fork")
-    listen, tell = context.Pipe(duplex=False)
-    process = context.Process(target=stress, args=(name, mutations, tell))
-    process.start()
-    tell.close()
-    seed: Any = None
-    try:
-        while True:
-            message = listen.recv()
-            if isinstance(message, tuple):
-                process.join()
-                return message
-            seed = message
-    except EOFError:
-        process.join()
-        died = "hung" if process.exitcode == -signal.SIGALRM else f"died with {process.exitcode}"
-        return 0, [f"{name}, seed {seed}: {died}"], 0
+    told, killed = in_child(partial(stress, name, mutations))
+    *seeds, last = told.decode().split("\n")
+    if last:
+        valid, faults, memory = json.loads(last)
+        return valid, faults, memory
+    died = "hung" if killed == signal.SIGALRM else f"died of signal {killed}"
+    return 0, [f"{name}, seed {seeds[-1] if seeds else None}: {died}"], 0
 
 
 def main() -> int:
