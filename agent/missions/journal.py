@@ -10,6 +10,7 @@ from typing import Any
 
 from ...files.messages import quoted
 from ...files.reading import read_text
+from ...files.writing import write_text
 from ..errors import CodecError, MissionError
 from ..listener import Outcome
 from ..recording.codec import decode, encode
@@ -36,7 +37,8 @@ class Journal:
     ) -> None:
         """`resume`: take over what `path` holds. `before`: called before each line is written.
 
-        Raises: MissionError if it is another mission's or damaged."""
+        Raises: MissionError if it is another mission's or damaged, FileError if it cannot be written.
+        """
         self._path = path
         self._done: dict[str, tuple[str, Outcome]] = {}
         self.before = before
@@ -45,7 +47,8 @@ class Journal:
         if resume and path.exists():
             self._read(path, mission)
         else:
-            path.write_text(json.dumps({"tolman-mission": _VERSION, "mission": mission}) + "\n")
+            head = {"tolman-mission": _VERSION, "mission": mission}
+            write_text(path, json.dumps(head) + "\n", replace=True)
 
     def __len__(self) -> int:
         """How many steps are done."""
@@ -104,7 +107,7 @@ class Journal:
             except (KeyError, CodecError) as fault:
                 raise MissionError(f"{path}, line {number}: damaged ({fault})") from fault
         if lines[-1]:
-            path.write_text("".join(line + "\n" for line in whole), encoding="utf-8")
+            write_text(path, "".join(line + "\n" for line in whole), replace=True)
 
 
 def _parsed(path: Path, number: int, line: str) -> dict[str, Any]:

@@ -155,16 +155,16 @@ class Look(Step):
 
 
 def _goal(entry: Entry) -> Any:
-    """A goal such as `Foray: {turn: 1}`."""
-    value, known = entry.data(), known_classes()
-    if not isinstance(value, dict):
-        return value
-    if len(value) != 1 or (cls := known.get(next(iter(value)))) is None:
-        raise entry.error("give a kind of goal and its settings, as Foray: {turn: 1}")
-    try:
-        return cls(**(next(iter(value.values())) or {}))
-    except (TypeError, ValueError) as fault:
-        raise entry.error(str(fault)) from None
+    """A goal by its fields, or after the name of its class: `{turn: 1}`, `Foray: {turn: 1}`."""
+    value = entry.data()
+    if isinstance(value, dict) and len(value) == 1:
+        ((name, fields_of_goal),) = value.items()
+        if name in (known := known_classes()) and isinstance(fields_of_goal or {}, dict):
+            try:
+                return known[name](**(fields_of_goal or {}))
+            except (TypeError, ValueError) as fault:
+                raise entry.error(str(fault)) from None
+    return value
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 from tolman.agent import Agent
-from tolman.agent.errors import MissionError, StepFailedError
+from tolman.agent.errors import StepFailedError
 from tolman.agent.events import Event, Lost, MissionEnded, NodeReached, Said, StepEnded
 from tolman.agent.listener import Outcome
 from tolman.agent.maneuvers import Foray
@@ -348,20 +348,3 @@ def test_a_torn_last_line_of_a_journal_is_dropped(tmp_path: Path) -> None:
     rig = Rig(Mission.of("m", GoTo(1), GoTo(2)), Journal(path, mission="m", resume=True)).run()
     assert rig.site.log == ["go to 2"]
     assert path.read_text() == text
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("", "line 1: damaged"),
-        ('{"tolman-mission": 9}\n', "not a mission's journal of version 1"),
-        ('{"tolman-mission": 1, "mission": "other"}\n', "the journal of 'other', not of 'm'"),
-        ('{"tolman-mission": 1, "mission": "m"}\nrubbish\n', "line 2: damaged"),
-        ('{"tolman-mission": 1, "mission": "m"}\n{"path": "1"}\n', "line 2: damaged"),
-    ],
-)
-def test_a_damaged_or_foreign_journal_is_refused(tmp_path: Path, text: str, said: str) -> None:
-    path = tmp_path / "journal"
-    path.write_text(text)
-    with pytest.raises(MissionError, match=said):
-        Journal(path, mission="m", resume=True)
