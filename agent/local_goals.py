@@ -13,11 +13,11 @@ _BEYOND = 0.03
 
 @dataclass(frozen=True, slots=True)
 class LocalBelief:
-    """What `agent.local_pose.LocalPose` holds, so that one behavior can go on for another.
+    """What `agent.estimation.local_filter.LocalPose` holds, so that one behavior can go on for another.
 
     pose: x, y (m), heading (rad), local frame, drift_rate (rad/m). covariance: xx, xy, xt, yy, yt, tt;
     drift_rate: its covariances with x, y and heading, and its variance. walls: each as normal
-    (rad), offset (m), their variances, and a lookout's x, y (m). square: all walls stand at right angles.
+    (rad), offset (m), their variances, and a vantage point's x, y (m). square: all walls stand square.
     """
 
     pose: tuple[float, float, float, float]
@@ -65,7 +65,7 @@ def walls_at(
     return known if square else known[:1]
 
 
-def lookout_of(kind: str, walls: tuple[tuple[float, float, float], ...], index: int) -> tuple[float, float]:
+def vantage_of(kind: str, walls: tuple[tuple[float, float, float], ...], index: int) -> tuple[float, float]:
     """From where (x, y in m, local frame) a wall known at a corner of that kind can be seen, foot and all.
 
     The node itself; but at a convex corner the wall followed to it ends behind the node, and the other one

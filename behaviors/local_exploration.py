@@ -200,12 +200,12 @@ class LocalExploration(Behavior):
             self._queue.pop(0)
         if self._tour is None:
             home = self._rigid.center
-            self._tour = [*(cell for cell in self._lookouts() if cell != home), home]
+            self._tour = [*(cell for cell in self._vantage_points() if cell != home), home]
         while self._tour:
             path = self._way(self._tour[0])
             if path:
                 return path[0]
-            if self._here == self._tour[0] and self._here in self._lookouts():
+            if self._here == self._tour[0] and self._here in self._vantage_points():
                 return None
             self._tour.pop(0)
         return None
@@ -218,18 +218,18 @@ class LocalExploration(Behavior):
         early = len(self._visited) < self._no_errand_before
         if self._errand is not None or not self._queue or early or not self._pose.doubtful:
             return
-        places = self._lookouts()
+        places = self._vantage_points()
         self._errand = min(places, key=lambda cell: self._rigid.distance(self._here, cell), default=None)
 
-    def _lookouts(self) -> dict[Cell, float]:
+    def _vantage_points(self) -> dict[Cell, float]:
         """Visited places from where walls of two directions can be seen, the nearest to the node last.
 
         With each the direction (rad, local frame) of the wall there.
         """
         found: dict[Cell, float] = {}
-        for mark in self._pose.lookouts() if self.config.landmarks else ():
+        for mark in self._pose.vantage_points() if self.config.landmarks else ():
             places = self._rigid.places
-            away = {cell: math.dist(places[cell], mark.lookout) for cell in sorted(self._visited)}
+            away = {cell: math.dist(places[cell], mark.vantage) for cell in sorted(self._visited)}
             cell = min(away, key=away.__getitem__)
             if away[cell] < VANTAGE_POINT:
                 found[cell] = mark.normal
@@ -378,7 +378,7 @@ class LocalExploration(Behavior):
 
     def _approach(self, percept: Percept, context: Context) -> WheelCommand:
         """Toward where the wall must be, until it is near enough to be told from the noise."""
-        normal = self._lookouts().get(self._here, 0.0)
+        normal = self._vantage_points().get(self._here, 0.0)
         error = wrap_angle(normal - self._pose.heading)
         if not self._facing:
             self._facing = abs(error) <= 0.006

@@ -3,7 +3,7 @@
 A corner that may be an earlier one is not made a node: the corners after it must agree with those that
 followed then. Several corners may be the one at which the loop closes; each is pursued until the corners
 after it speak against it. `LoopDetector` keeps what is undecided, so that a mapper only acts on what is
-certain. A boundary that stands apart from the first has a circuit of its own.
+certain. A boundary that stands apart from the first has a loop detector of its own.
 """
 
 from __future__ import annotations
@@ -45,18 +45,18 @@ class Judgement:
 
 @dataclass(slots=True)
 class LoopHypothesis:
-    """Corners met that seem to be earlier ones, from the one at which the loop would have closed.
+    """Corners that seem to be earlier ones, from the one at which the loop would have closed.
 
     past: how far (m) that one lies beyond the node it is taken for; bends are not met at the same place.
     """
 
-    mets: list[CornerObservation]
+    corners: list[CornerObservation]
     past: float = 0.0
 
     @property
     def agreed(self) -> int:
         """How many corners after the first were known."""
-        return sum(met.known is not None for met in self.mets) - 1
+        return sum(met.known is not None for met in self.corners) - 1
 
 
 class LoopDetector:
@@ -72,7 +72,7 @@ class LoopDetector:
         self.trace = BoundaryTrace(config)
         self.node_of: dict[int, int] = {}
         self.closing: LoopHypothesis | None = None
-        self._trails: list[LoopHypothesis] = []
+        self._hypotheses: list[LoopHypothesis] = []
         self._undecided: list[CornerObservation] = []
 
     def reach(self, event: CornerReached, way: WallSegment | None = None, bends: bool = True) -> Judgement:
@@ -82,15 +82,16 @@ class LoopDetector:
         """
         met = CornerObservation(self.trace.reach(event.kind, event.path_length, way), event)
         self._undecided.append(met)
-        self._trails = [trail for trail in self._trails if self._leads_on(trail, met)]
+        self._hypotheses = [each for each in self._hypotheses if self._leads_on(each, met)]
         candidate = self.trace.candidate(bends)
         if candidate is not None and self._is_place(candidate):
-            self._trails.append(LoopHypothesis([replace(met, known=candidate)], self.trace.past(candidate)))
-        if not self._trails:
+            past = self.trace.past(candidate)
+            self._hypotheses.append(LoopHypothesis([replace(met, known=candidate)], past))
+        if not self._hypotheses:
             new, self._undecided = tuple(self._undecided[:-1]), []
             return Judgement(Finding.NEW, new)
-        first = self._trails[0]
-        new = tuple(each for each in self._undecided if each.index < first.mets[0].index)
+        first = self._hypotheses[0]
+        new = tuple(each for each in self._undecided if each.index < first.corners[0].index)
         self._undecided = self._undecided[len(new) :]
         if first.agreed < self.config.confirmations:
             return Judgement(Finding.MAYBE_KNOWN, new)
@@ -101,17 +102,18 @@ class LoopDetector:
         """Whether corner `index` is a node, or becomes one unless the loop closes before."""
         return index in self.node_of or any(index == each.index for each in self._undecided)
 
-    def _leads_on(self, trail: LoopHypothesis, met: CornerObservation) -> bool:
-        """Whether a trail may be right with this corner too, which it then has."""
-        *_, last = (each for each in trail.mets if each.known is not None)
+    def _leads_on(self, hypothesis: LoopHypothesis, met: CornerObservation) -> bool:
+        """Whether a hypothesis may be right with this corner too, which it then has."""
+        event, first = met.event, hypothesis.corners[0]
+        *_, last = (each for each in hypothesis.corners if each.known is not None)
         assert last.known is not None
-        event = met.event
-        length = event.path_length + sum(e.event.path_length for e in trail.mets if e.index > last.index)
-        if last is trail.mets[0]:
-            length += trail.past
+        since = sum(each.event.path_length for each in hypothesis.corners if each.index > last.index)
+        length = event.path_length + since
+        if last is first:
+            length += hypothesis.past
         known = self.trace.onward(last.known, event.kind, length)
-        trail.mets.append(replace(met, known=known))
-        corners = self.trace.corners[trail.mets[0].known or 0].kind != BEND
+        hypothesis.corners.append(replace(met, known=known))
+        corners = self.trace.corners[first.known or 0].kind != BEND
         return known is not None or _may_be_missed(event, corners)
 
     # --- once it has closed ----------------------------------------------------------------------------
@@ -124,18 +126,18 @@ class LoopDetector:
     @property
     def candidate(self) -> int:
         """The corner at which the loop has closed, as it was met first."""
-        return self._closed().mets[0].known or 0
+        return self._closed().corners[0].known or 0
 
     @property
     def closing_length(self) -> float:
         """Meters from the corner before the one at which the loop has closed, to that one as it was first."""
         closing = self._closed()
-        return closing.mets[0].event.path_length - closing.past
+        return closing.corners[0].event.path_length - closing.past
 
     def driven_again(self) -> list[tuple[int, int, float]]:
         """Arcs driven once more while the closing was confirmed: node, node, m."""
         again = []
-        for before, met in pairwise(self._closed().mets):
+        for before, met in pairwise(self._closed().corners):
             bent = BEND in (before.event.kind, met.event.kind)
             if before.known is None or met.known != before.known + 1 or bent:
                 continue
@@ -147,9 +149,9 @@ class LoopDetector:
     @property
     def here(self) -> int:
         """The node of the last corner met."""
-        mets = self._closed().mets
-        count = mets[0].index - self.candidate
-        return self.node_of[self.candidate + ((mets[-1].known or 0) - self.candidate) % count]
+        corners = self._closed().corners
+        count = corners[0].index - self.candidate
+        return self.node_of[self.candidate + ((corners[-1].known or 0) - self.candidate) % count]
 
     def state(self) -> dict[str, Any]:
         """What has to be kept to go on, as JSON."""
@@ -164,8 +166,8 @@ class LoopDetector:
                 for each in self.trace.corners
             ],
             "nodes": sorted(self.node_of.items()),
-            "undecided": [_plain(met) for met in self._undecided],
-            "trails": [[trail.past, [_plain(met) for met in trail.mets]] for trail in self._trails],
+            "undecided": [_plain(each) for each in self._undecided],
+            "trails": [[each.past, [_plain(met) for met in each.corners]] for each in self._hypotheses],
         }
 
     def restore(self, state: Mapping[str, Any]) -> None:
@@ -176,8 +178,9 @@ class LoopDetector:
         ]
         self.node_of = {int(index): int(node) for index, node in state["nodes"]}
         self._undecided = [_met(*values) for values in state.get("undecided", ())]
-        self._trails = [
-            LoopHypothesis([_met(*met) for met in mets], past) for past, mets in state.get("trails", ())
+        self._hypotheses = [
+            LoopHypothesis([_met(*each) for each in corners], past)
+            for past, corners in state.get("trails", ())
         ]
 
 

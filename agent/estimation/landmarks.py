@@ -16,7 +16,7 @@ SHORT_SWEEP = (math.radians(36.0), math.radians(-72.0), math.radians(36.0))
 """Turns (rad) that lead every infrared sensor to and fro: together they sweep nearly the whole round."""
 FULL_SWEEP = (math.tau,)
 VANTAGE_POINT = 0.035
-"""How near (m) the robot must be to a wall's lookout to count on seeing that wall."""
+"""How near (m) the robot must be to a wall's vantage point to count on seeing that wall."""
 _THERE = 0.006
 
 
@@ -71,7 +71,7 @@ class LandmarkFix:
         faces = (0.0, *self._geometry.infrared_angles)
         turns = []
         for mark in pose.landmarks:
-            if math.dist(mark.lookout, (pose.x, pose.y)) < VANTAGE_POINT:
+            if math.dist(mark.vantage, (pose.x, pose.y)) < VANTAGE_POINT:
                 away = mark.offset - pose.x * math.cos(mark.normal) - pose.y * math.sin(mark.normal)
                 turn = min((wrap_angle(mark.normal - pose.heading - face) for face in faces), key=abs)
                 turns.append((away, turn))

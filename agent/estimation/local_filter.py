@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Self
 
 from ...world.robot import Pose, wrap_angle
-from ..local_goals import LocalBelief, lookout_of
+from ..local_goals import LocalBelief, vantage_of
 from ..perception.wall_scan import SeenWall
 
 _GATE = 16.0
@@ -27,14 +27,14 @@ where that wall was last seen 10 cm before."""
 class Landmark:
     """A wall kept: normal (rad) and offset (m) of its line in the local frame, with their variances.
 
-    lookout: x, y (m) from where it can be seen, foot and all.
+    vantage: x, y (m) from where it can be seen, foot and all.
     """
 
     normal: float
     offset: float
     normal_variance: float
     offset_variance: float
-    lookout: tuple[float, float]
+    vantage: tuple[float, float]
 
 
 class LocalPose:
@@ -110,25 +110,25 @@ class LocalPose:
         self._xv, self._yv, self._tv = xv, yv, tv + distance * self._vv
 
     def know(
-        self, normal: float, distance: float, deviation: float, lookout: tuple[float, float] = (0.0, 0.0)
+        self, normal: float, distance: float, deviation: float, vantage: tuple[float, float] = (0.0, 0.0)
     ) -> None:
         """Tells a wall known beforehand: normal (rad, local frame), its distance (m) from the origin."""
-        self.landmarks.append(Landmark(normal, distance, deviation**2, 0.001**2, lookout))
+        self.landmarks.append(Landmark(normal, distance, deviation**2, 0.001**2, vantage))
 
     def know_corner(self, kind: str, walls: tuple[tuple[float, float, float], ...]) -> None:
         """Tells that it begins at a corner of that kind, with walls as `local_goals.walls_at` gives them."""
         if kind == "convex":
             self._tt = _BLIND_HEADING**2
         for index, wall in enumerate(walls):
-            self.know(*wall, lookout_of(kind, walls, index))
+            self.know(*wall, vantage_of(kind, walls, index))
 
-    def lookouts(self) -> list[Landmark]:
-        """Walls of two directions, with lookouts as near to the origin as there are any.
+    def vantage_points(self) -> list[Landmark]:
+        """Walls of two directions, with vantage points as near to the origin as there are any.
 
         The nearest comes last, so that a tour of them ends well.
         """
         chosen: list[Landmark] = []
-        for mark in sorted(self.landmarks, key=lambda mark: math.hypot(*mark.lookout)):
+        for mark in sorted(self.landmarks, key=lambda mark: math.hypot(*mark.vantage)):
             if all(abs(math.sin(mark.normal - other.normal)) > 0.7 for other in chosen):
                 chosen.append(mark)
         return chosen[::-1]
@@ -140,7 +140,7 @@ class LocalPose:
             (self._xx, self._xy, self._xt, self._yy, self._yt, self._tt),
             (self._xv, self._yv, self._tv, self._vv),
             tuple(
-                (mark.normal, mark.offset, mark.normal_variance, mark.offset_variance, *mark.lookout)
+                (mark.normal, mark.offset, mark.normal_variance, mark.offset_variance, *mark.vantage)
                 for mark in self.landmarks
             ),
             self.square,
@@ -174,8 +174,8 @@ class LocalPose:
         offset = self.x * cosine + self.y * sine + wall.distance
         self._update((cosine, sine, 0.0), mark.offset - offset, mark.offset_variance + _FOOT**2)
         clear = wall.deviation < _CLEAR
-        if known and clear and math.hypot(self.x, self.y) < math.hypot(*mark.lookout):
-            mark.lookout = (self.x, self.y)
+        if known and clear and math.hypot(self.x, self.y) < math.hypot(*mark.vantage):
+            mark.vantage = (self.x, self.y)
         return known
 
     def turn_by_compass(self, error: float, variance: float) -> None:

@@ -22,7 +22,7 @@ class ScoutConfig:
     """Settings of the search for islands. Lengths in m.
 
     spacing: between neighboring lines, at most. The shell and what the side sensors see sweep 9 cm of it, so
-    every obstacle wider than `spacing` - 0.09 is met, less how far a foray drifts aside; smallest: what is
+    every obstacle wider than `spacing` - 0.09 is met, less how far a crossing drifts aside; smallest: what is
     left of a line is driven only if it is longer. aside: a line may be moved by that share of `spacing` where
     it would set out too near to a corner. tries: of one line. near, near_slope: what is hit within near +
     near_slope x the distance driven of a known wall is taken for it.
@@ -129,7 +129,7 @@ class Scouting:
         self.driven.append((chord.u, chord.v0, self.sweep.coordinates(x, y)[1]))
 
     def crossing(self, known: Sequence[Outline], chord: Chord) -> tuple[Crossing, Pose]:
-        """A line as a foray, and the pose where it leaves the wall, heading along it."""
+        """A line as a crossing, and the pose where it leaves the wall, heading along it."""
         outline, mark = known[chord.start.outline], chord.start
         along = outline.direction(mark.edge)
         x, y = self.sweep.place(chord.u, chord.v0)

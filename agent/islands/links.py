@@ -26,7 +26,7 @@ _LINKS = 3
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A foray from one boundary to another, as it should go. risk: m, lower is better."""
+    """A crossing from one boundary to another, as it should go. risk: m, lower is better."""
 
     start: int
     end: int
@@ -44,7 +44,7 @@ def leads(hybrid_map: HybridMap, start: int, end: int) -> bool:
 
 
 def unproven_link(hybrid_map: HybridMap, node: int) -> Arc | None:
-    """A foray arc that was never driven, and can be reached from the node."""
+    """An arc across open space that was never driven, and can be reached from the node."""
     for arc in hybrid_map.arcs():
         fresh = arc.kind == "foray" and arc.traversals == 0 and not arc.blocked
         if fresh and leads(hybrid_map, node, arc.start):
@@ -53,7 +53,7 @@ def unproven_link(hybrid_map: HybridMap, node: int) -> Arc | None:
 
 
 def link_islands(hybrid_map: HybridMap, known: Sequence[Outline], side: str) -> None:
-    """Sees to it that a foray leads to each island and one away, other than those that failed.
+    """Adds crossings so that one leads to each island and one away, other than those that failed.
 
     known: the outer boundary first, then the islands. side: on which walls are followed.
     """
@@ -95,7 +95,7 @@ def best_link(
     side: str,
     failed: Collection[tuple[int, int]] = (),
 ) -> Link | None:
-    """The foray from one of the outlines `sources` to one of `targets` that is surest to arrive.
+    """The crossing from one of the outlines `sources` to one of `targets` that is surest to arrive.
 
     failed: pairs of nodes that are not to be joined.
     """
@@ -126,7 +126,7 @@ def _links(
     across: float,
     free: float,
 ) -> list[Link]:
-    """Forays from an outline toward a point of another: off its walls, and straight from convex corners."""
+    """Crossings from an outline toward a point of another: off its walls, straight from convex corners."""
     outline = known[source]
     found = []
     for edge in range(len(outline.points)):

@@ -53,7 +53,7 @@ class Doing(Enum):
 
     BOUNDARY = "mapping the boundary"
     GOING = "driving to where a crossing sets out"
-    FORAY = "crossing open space"
+    CROSSING = "crossing open space"
     ISLAND = "mapping an island"
     PROVING = "driving a link again"
     LOST = "finding out where it is"
@@ -168,7 +168,7 @@ class IslandMapper(Listener):
         if self._doing is Doing.BOUNDARY and self.mapper.done and self.mapper.reason != "loop closed":
             self._end(self.mapper.reason, "the boundary was not closed")
         candidate = self._candidate
-        if self._doing is Doing.FORAY and self._drive.stage is Stage.JOIN:
+        if self._doing is Doing.CROSSING and self._drive.stage is Stage.JOIN:
             candidate.turned += context.turn
             if abs(candidate.turned) > ROUND:
                 self._leave_round_wall()
@@ -237,7 +237,7 @@ class IslandMapper(Listener):
 
     def _leave(self) -> None:
         """Straight away from the wall at its side, wherever that leads."""
-        self._doing, self._chord = Doing.FORAY, None
+        self._doing, self._chord = Doing.CROSSING, None
         away = 0.4 * math.pi if self.side == "right" else -0.4 * math.pi
         self._drive.cross(away, _FARTHEST)
 
@@ -262,7 +262,7 @@ class IslandMapper(Listener):
             self._rest(event.node)
         elif self._doing is Doing.GOING and self._chord is not None and self._scouting is not None:
             self._learn_crossings()
-            self._doing = Doing.FORAY
+            self._doing = Doing.CROSSING
             self.forays += 1
             data = self.map.graph.nodes[event.node]
             start = START_AT[data["corner"]]
@@ -406,7 +406,7 @@ class IslandMapper(Listener):
 
     def _find_wall(self) -> None:
         """Something went wrong, but path integration still knows about where: the next corner will tell."""
-        self._doing, self._chord = Doing.FORAY, None
+        self._doing, self._chord = Doing.CROSSING, None
         self._finding = True
         self._candidate.turned = 0.0
         self._drive.stop()

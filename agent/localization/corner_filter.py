@@ -17,16 +17,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class LocalizationConfig:
-    """What evidence weighs. Lengths in m, angles in rad, evidence in nats.
+    """How measurements weigh. Lengths in m, angles in rad, log-likelihoods in nats.
 
     length_deviation, length_slope: standard deviation of an arc's length, fixed and per meter.
-    turn_deviation: of a corner's turn. floor: no single length or turn speaks more strongly against a place.
-    other_kind: what a corner of the other kind speaks against it. margin: by how much the best place must
-    lead. misfit: how much may speak against the best place for each arc, and twice that for any one of them.
-    least_arcs: whole arcs to have seen. loops: after so many times round without a claim it is ambiguous.
-    jump: no place falls farther behind the best, so that the filter finds back after a stretch of boundary
-    that has changed. away: what speaks against a place at first that is not near where the robot is thought
-    to be. forays: how often it leaves a wall that tells nothing for another.
+    turn_deviation: of a corner's turn. floor: no single length or turn costs a node more. other_kind: what a
+    corner of the other kind costs it. margin: by how much the best node must lead. misfit: the most that the
+    best node may have lost for each arc on average, and twice that for any one of them. least_arcs: whole
+    arcs to have seen. loops: after so many times round without an estimate it is ambiguous. jump: no node
+    falls farther behind the best, so that the filter finds back after a stretch of boundary that has changed.
+    away: what a node costs at first that is not near where the robot is thought to be. forays: how often the
+    robot crosses to another wall from one that tells nothing.
     """
 
     length_deviation: float = 0.006
@@ -65,7 +65,7 @@ _MOST_SEEN = 400
 
 
 class BoundaryFilter:
-    """Evidence for each node of being the corner that the robot met last. Knows only what it is told."""
+    """Log-likelihood of each node to be the corner that the robot met last. Knows only what it is told."""
 
     def __init__(
         self,
@@ -85,15 +85,15 @@ class BoundaryFilter:
         self._next = {node: found for node in corners if (found := self._next_corner(node)) is not None}
         self._into = dict(self._next.values())
         self._loop = {node: self._loop_of(node) for node in nodes}
-        self.evidence: dict[int, float] = {}
+        self.log_likelihood: dict[int, float] = {}
         self._latest: dict[int, tuple[float, ...]] = {}
         self.restart()
         if near:
-            self.evidence = {node: 0.0 if node in near else -config.away for node in corners}
+            self.log_likelihood = {node: 0.0 if node in near else -config.away for node in corners}
 
     def restart(self) -> None:
         """All nodes are equally likely again: the robot has left the boundary that it followed."""
-        self.evidence = dict.fromkeys(self._corner, 0.0)
+        self.log_likelihood = dict.fromkeys(self._corner, 0.0)
         self._latest = dict.fromkeys(self._corner, ())
         self.arcs = self.looks = 0
         self.length = 0.0
@@ -106,7 +106,7 @@ class BoundaryFilter:
     @property
     def boundary_length(self) -> float:
         """Length (m) of the longest boundary that the robot may be on."""
-        return max((self._loop[node].length for node in self.rivals), default=self.loop_length)
+        return max((self._loop[node].length for node in self.hypotheses), default=self.loop_length)
 
     def senses(self) -> set[float]:
         """How the closed boundaries of the map turn: +1.0 counter-clockwise, -1.0 clockwise."""
@@ -134,52 +134,52 @@ class BoundaryFilter:
         first = self.length == 0.0
         self.length += max(length, 1e-9)
         if first:
-            for node in self.evidence:
+            for node in self.log_likelihood:
                 into = self._into.get(node)
                 if into is not None and length > into + 4.0 * self._deviation(into):
-                    self._speak(node, -self.config.floor)
+                    self._add(node, -self.config.floor)
         else:
             self.arcs += 1
             self._move(length)
-        for node in self.evidence:
+        for node in self.log_likelihood:
             if self._corner[node] != kind:
-                self._speak(node, -self.config.other_kind)
+                self._add(node, -self.config.other_kind)
 
     def _move(self, length: float) -> None:
         """Takes every place on to the next node, `length` m being what was driven."""
-        evidence = dict.fromkeys(self._corner, -math.inf)
+        scores = dict.fromkeys(self._corner, -math.inf)
         latest: dict[int, tuple[float, ...]] = dict.fromkeys(self._corner, ())
-        for node, before in self.evidence.items():
+        for node, before in self.log_likelihood.items():
             if node not in self._next:
                 continue
             end, expected = self._next[node]
             z = (length - expected) / self._deviation(expected)
-            says = -min(self.config.floor, 0.5 * z * z)
-            evidence[end] = before + says
-            latest[end] = (*self._latest[node], says)[-self.config.least_arcs :]
-        least = max(evidence.values(), default=0.0) - self.config.jump
-        for node in evidence:
-            if evidence[node] < least:
-                evidence[node], latest[node] = least, ()
-        self.evidence, self._latest = evidence, latest
+            change = -min(self.config.floor, 0.5 * z * z)
+            scores[end] = before + change
+            latest[end] = (*self._latest[node], change)[-self.config.least_arcs :]
+        least = max(scores.values(), default=0.0) - self.config.jump
+        for node in scores:
+            if scores[node] < least:
+                scores[node], latest[node] = least, ()
+        self.log_likelihood, self._latest = scores, latest
 
-    def _speak(self, node: int, says: float) -> None:
-        self.evidence[node] += says
+    def _add(self, node: int, change: float) -> None:
+        self.log_likelihood[node] += change
         if self._latest[node]:
             *earlier, last = self._latest[node]
-            self._latest[node] = (*earlier, last + says)
+            self._latest[node] = (*earlier, last + change)
 
     def turned(self, turn: float) -> None:
         """Tells how the boundary turned at the last corner (rad, counter-clockwise)."""
-        for node in self.evidence:
+        for node in self.log_likelihood:
             z = wrap_angle(turn - self._turn[node]) / self.config.turn_deviation
-            self._speak(node, -min(self.config.floor, 0.5 * z * z))
+            self._add(node, -min(self.config.floor, 0.5 * z * z))
 
-    def seen(self, says: Mapping[int, float]) -> None:
-        """Tells what a look around at the last corner says of nodes (nats, 0 or less); empty if nothing."""
-        self.looks += bool(says)
-        for node, value in says.items():
-            self.evidence[node] += max(-self.config.floor, value)
+    def seen(self, change: Mapping[int, float]) -> None:
+        """Takes what a look around at the last corner costs nodes (nats, 0 or less); empty if nothing."""
+        self.looks += bool(change)
+        for node, value in change.items():
+            self.log_likelihood[node] += max(-self.config.floor, value)
 
     @property
     def contested(self) -> list[tuple[int, int]]:
@@ -188,14 +188,14 @@ class BoundaryFilter:
         That is known at the first corner if the boundary repeats itself: nodes of which all that follows is
         alike are told apart by views or never.
         """
-        rivals = self.rivals
-        if len(rivals) < 2 or self.claim is not None:
+        hypotheses = self.hypotheses
+        if len(hypotheses) < 2 or self.estimate is not None:
             return []
         if self._proofs >= self.config.least_arcs:
-            return list(combinations(rivals[:_MOST], 2))
-        return (
-            [pair for pair in combinations(rivals, 2) if self._twins(*pair)] if len(rivals) <= _MOST else []
-        )
+            return list(combinations(hypotheses[:_MOST], 2))
+        if len(hypotheses) > _MOST:
+            return []
+        return [pair for pair in combinations(hypotheses, 2) if self._twins(*pair)]
 
     def _twins(self, one: int, other: int) -> bool:
         """Whether the boundary from one node on is as that from the other, all the way round."""
@@ -217,18 +217,18 @@ class BoundaryFilter:
 
     @property
     def _proofs(self) -> int:
-        """Whole arcs driven and looks that spoke; one arc at least must be among them for a claim."""
+        """Whole arcs driven and looks that told something; one arc at least must be among them."""
         return self.arcs + self.looks if self.arcs else 0
 
     @property
     def ranking(self) -> list[tuple[float, int]]:
-        """(evidence, node), the likeliest first."""
+        """(log-likelihood, node), the likeliest first."""
         return sorted(
-            ((evidence, node) for node, evidence in self.evidence.items()), key=lambda e: (-e[0], e[1])
+            ((score, node) for node, score in self.log_likelihood.items()), key=lambda e: (-e[0], e[1])
         )
 
     @property
-    def claim(self) -> int | None:
+    def estimate(self) -> int | None:
         """The node the robot is at, if what was met leaves no other; None if it is not sure."""
         ranking = self.ranking
         if not ranking or self._proofs < self.config.least_arcs:
@@ -246,17 +246,17 @@ class BoundaryFilter:
         return node
 
     @property
-    def rivals(self) -> list[int]:
+    def hypotheses(self) -> list[int]:
         """The nodes that explain what was met about as well as the best."""
         ranking = self.ranking
-        return [node for evidence, node in ranking if ranking[0][0] - evidence < self.config.margin]
+        return [node for score, node in ranking if ranking[0][0] - score < self.config.margin]
 
     @property
     def likely(self) -> list[int]:
         """The nodes that a few looks could bring to the front, and somewhat beyond; the best of many."""
         ranking = self.ranking
         least = ranking[0][0] - self.config.margin - 2.0 * self.config.floor
-        return [node for evidence, node in ranking[:_MOST_SEEN] if evidence > least]
+        return [node for score, node in ranking[:_MOST_SEEN] if score > least]
 
     def _deviation(self, length: float) -> float:
         return self.config.length_deviation + self.config.length_slope * length

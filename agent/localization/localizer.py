@@ -1,8 +1,8 @@
 """Finds out where on a mapped boundary the robot is, when it was not told.
 
 The robot follows the wall by the side the map was made with. Every corner it meets, every length between two
-of them and every turn speaks for some places of the map and against others (`corner_filter`). Where these
-cannot decide it looks around at the corner, if the map has views that could (`views`). It claims a place
+of them and every turn makes some places of the map more likely than others (`corner_filter`). Where these
+cannot decide it looks around at the corner, if the map has views that could (`views`). It settles on a place
 only when that one alone explains what was met; in a room that looks the same from several places never.
 """
 
@@ -124,14 +124,14 @@ class Localizer(Listener):
 
     def _judge(self) -> None:
         """Ends if it knows where it is, or will not; else it drives on."""
-        claim = self.filter.claim
-        if claim is not None:
-            self.agent.bus.publish(Localized(time=self.agent.context.time, node=claim))
+        node = self.filter.estimate
+        if node is not None:
+            self.agent.bus.publish(Localized(time=self.agent.context.time, node=node))
             self._halt()
-            self.finish(True, claim, "localized")
+            self.finish(True, node, "localized")
         elif self.filter.length > self.filter.config.loops * self.filter.boundary_length:
-            rivals = ", ".join(map(str, self.filter.rivals))
-            reason = f"ambiguous: cannot tell nodes {rivals} apart"
+            nodes = ", ".join(map(str, self.filter.hypotheses))
+            reason = f"ambiguous: cannot tell nodes {nodes} apart"
             if self.filter.boundaries > 1:
                 self._leave(reason)
             else:
@@ -157,7 +157,7 @@ class Localizer(Listener):
             self._looked(event.result)
 
     def _looked(self, panorama: Any) -> None:
-        """Takes what it saw at the corner for evidence, and goes on from there if that is not enough."""
+        """Takes what it saw at the corner, and goes on from there if that is not enough."""
         self._looking = False
         if panorama is not None:
             self.filter.seen(self._views.against(panorama, self.filter.likely))

@@ -87,7 +87,7 @@ class Mapper(BaseMapper):
         """
         super().__init__(agent, hybrid_map, sink, config)
         self.config = config
-        self.circuit = LoopDetector(config.closing)
+        self.loop = LoopDetector(config.closing)
         track = agent.robot.geometry.track
         self.meter = WallSegmentMeter(agent.odometry, track, config.learn_mismatch)
         self.phase = Phase.FOLLOW
@@ -110,7 +110,7 @@ class Mapper(BaseMapper):
     @property
     def trace(self) -> BoundaryTrace:
         """The boundary that is being followed."""
-        return self.circuit.trace
+        return self.loop.trace
 
     @property
     def mismatch(self) -> MismatchEstimate:
@@ -125,11 +125,11 @@ class Mapper(BaseMapper):
     @property
     def nodes(self) -> tuple[int, ...]:
         """The nodes it has added, in the order of the boundary."""
-        return tuple(self.circuit.node_of[index] for index in sorted(self.circuit.node_of))
+        return tuple(self.loop.node_of[index] for index in sorted(self.loop.node_of))
 
     def index(self, node: int) -> int:
         """Which corner of the trace a node is. Raises: KeyError for a node that is not of this boundary."""
-        return {known: index for index, known in self.circuit.node_of.items()}[node]
+        return {known: index for index, known in self.loop.node_of.items()}[node]
 
     # --- state -----
 
@@ -138,7 +138,7 @@ class Mapper(BaseMapper):
         assert self._corner is not None
         return {
             **super().state(),
-            **self.circuit.state(),
+            **self.loop.state(),
             "corner": asdict(self._corner),
             "wall": None if self.meter.wall is None else asdict(self.meter.wall),
             "mismatch": [self.mismatch.value, self.mismatch.variance],
@@ -147,7 +147,7 @@ class Mapper(BaseMapper):
     def restore(self, state: Mapping[str, Any]) -> None:
         """Goes back to a `state`."""
         super().restore(state)
-        self.circuit.restore(state)
+        self.loop.restore(state)
         self._corner = CornerReached(**state["corner"])
         self.meter.met(None if state["wall"] is None else WallMet(**state["wall"]))
         self.mismatch.value, self.mismatch.variance = state["mismatch"]
@@ -161,7 +161,7 @@ class Mapper(BaseMapper):
             turn = wrap_angle(event.heading - self._corner.heading)
             self._corner = None
             self.trace.turned(turn)
-            node = self.circuit.node_of.get(len(self.trace.corners) - 1)
+            node = self.loop.node_of.get(len(self.trace.corners) - 1)
             if node is not None:
                 self.map.graph.nodes[node]["turn"] = turn
 
@@ -180,9 +180,9 @@ class Mapper(BaseMapper):
             return
         event, way = arrived
         self._corner = event
-        loop = sum(corner.length for corner in self.trace.corners)
-        bends = self.meter.place_deviation(loop) <= self.config.bend_gate
-        judgement = self.circuit.reach(event, way, bends)
+        length = sum(corner.length for corner in self.trace.corners)
+        bends = self.meter.place_deviation(length) <= self.config.bend_gate
+        judgement = self.loop.reach(event, way, bends)
         self._admit(judgement.rejected)
         if judgement.finding is Finding.CLOSED:
             self._close()
@@ -231,7 +231,7 @@ class Mapper(BaseMapper):
         heading = wrap_angle(self.heading + self.trace.poses()[index].heading)
         turn = self.trace.corners[index].turn or 0.0
         previous = self._create(event, corner=_NAMED[event.kind], entry_heading=heading, turn=turn)
-        self.circuit.node_of[index] = self.current
+        self.loop.node_of[index] = self.current
         if previous >= 0:
             self._join(previous, self.current, event.path_length, _variance(event.path_length))
 
@@ -300,7 +300,7 @@ class Mapper(BaseMapper):
         super()._commit()
 
     def _count(self) -> int:
-        return len(self.circuit.node_of)
+        return len(self.loop.node_of)
 
     def _go_on(self) -> None:
         """Follows the wall from the corner the robot stands at."""
@@ -318,15 +318,15 @@ class Mapper(BaseMapper):
             self.phase = Phase.FOLLOW
 
     def _close(self) -> None:
-        circuit = self.circuit
-        closing = circuit.closing
+        loop = self.loop
+        closing = loop.closing
         assert closing is not None
-        first, length = circuit.node_of[circuit.candidate], circuit.closing_length
+        first, length = loop.node_of[loop.candidate], loop.closing_length
         self._join(self.current, first, length, _variance(length))
-        for source, target, length in circuit.driven_again():
+        for source, target, length in loop.driven_again():
             self.map.record_traversal(source, target, self.config.side, length)
-        self.current = circuit.here
-        time, met = self.agent.context.time, closing.mets[0].event.number
+        self.current = loop.here
+        time, met = self.agent.context.time, closing.corners[0].event.number
         self.agent.bus.publish(LoopClosed(time=time, node=first, met=met, past=closing.past))
         self._end(True, "loop closed")
 

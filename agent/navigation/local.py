@@ -72,10 +72,10 @@ class LocalNavigator(Listener):
     def _vantage_points(self) -> dict[int, tuple[float, float]]:
         """Places (m) from where walls of two directions can be seen, by unit; the nearest last."""
         found = {}
-        for mark in self._belief.lookouts() if self._landmarks else ():
-            unit = self.local_map.nearest_unit(*mark.lookout)
-            if math.dist(self.local_map.position(unit), mark.lookout) < VANTAGE_POINT:
-                found[unit] = mark.lookout
+        for mark in self._belief.vantage_points() if self._landmarks else ():
+            unit = self.local_map.nearest_unit(*mark.vantage)
+            if math.dist(self.local_map.position(unit), mark.vantage) < VANTAGE_POINT:
+                found[unit] = mark.vantage
         return found
 
     def _set_out(self, goals: list[int], *, homeward: bool) -> None:

@@ -251,7 +251,7 @@ class RecoveringNavigator(Listener):
         return (here, *(arc.end for arc in (onward, before) if arc is not None))
 
     def _block(self, leg: Leg) -> None:
-        """Marks an arc and its reverse as blocked, in memory; a foray has none."""
+        """Marks an arc and its reverse as blocked, in memory; a crossing has none."""
         ways = [(leg.source, leg.target, leg.kind)]
         if leg.crossing is None:
             ways.append((leg.target, leg.source, other_side(leg.side)))

@@ -99,7 +99,7 @@ def first_closing(
             circuit.node_of[met.index] = met.index
         if judgement.finding is Finding.CLOSED:
             assert circuit.closing is not None
-            return circuit.closing.mets[0].index, circuit.candidate
+            return circuit.closing.corners[0].index, circuit.candidate
         if judgement.finding is Finding.NEW:
             circuit.node_of[i] = i
         circuit.trace.turned(turn)

@@ -132,13 +132,13 @@ def test_walls_tell_what_unequal_wheels_turn(drift_rate: float) -> None:
     assert abs(wrap_angle(pose.heading - true.heading)) < 0.02
 
 
-def test_where_a_wall_was_barely_seen_is_no_lookout() -> None:
+def test_where_a_wall_was_barely_seen_is_no_vantage_point() -> None:
     pose = LocalPose()
     pose.know(RIGHT, 0.057, 0.005, (0.1, 0.0))
     assert pose.see(seen(Pose(), pose, RIGHT, 0.057, deviation=0.02))
-    assert pose.landmarks[0].lookout == (0.1, 0.0)
+    assert pose.landmarks[0].vantage == (0.1, 0.0)
     assert pose.see(seen(Pose(), pose, RIGHT, 0.057, deviation=0.004))
-    assert math.hypot(*pose.landmarks[0].lookout) < 0.01
+    assert math.hypot(*pose.landmarks[0].vantage) < 0.01
 
 
 def test_unequal_wheels_make_it_doubtful_sooner() -> None:
@@ -162,7 +162,7 @@ def test_a_belief_is_all_there_is_to_a_pose() -> None:
     assert again.belief() == pose.belief()
 
 
-def test_lookouts_are_of_walls_in_two_directions_the_nearest_to_the_node_last() -> None:
+def test_vantage_points_are_of_walls_in_two_directions_the_nearest_to_the_node_last() -> None:
     pose = LocalPose()
     for wall in (
         (RIGHT, 0.057, 0.005, (-0.087, 0.0)),
@@ -170,7 +170,7 @@ def test_lookouts_are_of_walls_in_two_directions_the_nearest_to_the_node_last() 
         (0.0, 0.1, 0.005, (0.05, 0.05)),
     ):
         pose.know(*wall)
-    assert [mark.lookout for mark in pose.lookouts()] == [(0.05, 0.05), (0.0, 0.04)]
+    assert [mark.vantage for mark in pose.vantage_points()] == [(0.05, 0.05), (0.0, 0.04)]
 
 
 def test_a_pose_becomes_doubtful_by_turning_and_certain_by_a_wall() -> None:

@@ -28,11 +28,11 @@ def room(corners: list[tuple[str, float]]) -> HybridMap:
 def walk(
     found: BoundaryFilter, corners: list[tuple[str, float]], start: int, count: int, rng: np.random.Generator
 ) -> int | None:
-    """Passes `count` corners from `start` on until the filter claims a place; returns where it truly is."""
+    """Passes `count` corners from `start` on until the filter is sure; returns where it truly is."""
     first = corners[start - 1][1] * rng.uniform(0.05, 0.95)
     found.corner(corners[start][0], first)
     for step in range(count):
-        if found.claim is not None:
+        if found.estimate is not None:
             return (start + step) % len(corners)
         here = (start + step) % len(corners)
         kind, length = corners[here]
@@ -47,28 +47,28 @@ def test_finds_its_place_from_every_corner_within_half_a_loop(start: int) -> Non
     for seed in range(20):
         found = BoundaryFilter(room(ROOM))
         truth = walk(found, ROOM, start, 12, np.random.default_rng(seed))
-        assert found.claim == truth
+        assert found.estimate == truth
         assert found.length < 0.62 * found.loop_length
 
 
 @given(seed=st.integers(0, 10_000), sides=st.integers(2, 4))
 @settings(max_examples=60)
-def test_never_claims_a_place_in_a_room_that_repeats_itself(seed: int, sides: int) -> None:
+def test_never_settles_on_a_place_in_a_room_that_repeats_itself(seed: int, sides: int) -> None:
     rng = np.random.default_rng(seed)
     part = [("concave", float(rng.uniform(0.2, 0.9))) for _ in range(2)]
     corners = part * sides
     found = BoundaryFilter(room(corners))
     start = int(rng.integers(len(corners)))
     walk(found, corners, start, 3 * len(corners), rng)
-    assert found.claim is None
-    assert len(found.rivals) >= sides
+    assert found.estimate is None
+    assert len(found.hypotheses) >= sides
 
 
-def test_does_not_claim_a_place_in_another_room() -> None:
+def test_does_not_settle_on_a_place_in_another_room() -> None:
     other = [("concave", 0.71), ("concave", 0.41), ("concave", 0.71), ("concave", 0.41)]
     found = BoundaryFilter(room(ROOM))
     walk(found, other, 0, 12, np.random.default_rng(3))
-    assert found.claim is None
+    assert found.estimate is None
 
 
 def test_finds_back_after_a_stretch_of_wall_that_has_changed() -> None:
@@ -77,19 +77,19 @@ def test_finds_back_after_a_stretch_of_wall_that_has_changed() -> None:
     found.corner("concave", 0.2)
     for kind, length in [("concave", 0.11), ("convex", 0.24), ("concave", 0.33)]:
         found.corner(kind, length)
-    claimed: list[tuple[int, int | None]] = []
+    settled: list[tuple[int, int | None]] = []
     for node in range(4, 10):
         found.corner(ROOM[(node + 1) % 10][0], ROOM[node][1] + rng.normal(0, 0.002))
-        claimed.append(((node + 1) % 10, found.claim))
-    assert claimed[-1][1] == claimed[-1][0]
-    assert all(claim in (None, truth) for truth, claim in claimed)
+        settled.append(((node + 1) % 10, found.estimate))
+    assert settled[-1][1] == settled[-1][0]
+    assert all(estimate in (None, truth) for truth, estimate in settled)
 
 
-def test_one_arc_is_not_enough_to_claim_a_place() -> None:
+def test_one_arc_is_not_enough_to_settle_on_a_place() -> None:
     found = BoundaryFilter(room([("concave", 0.9), ("convex", 0.2), ("concave", 0.4), ("concave", 0.6)]))
     found.corner("concave", 0.3)
     found.corner("convex", 0.9)
-    assert found.claim is None
+    assert found.estimate is None
 
 
 SQUARE = [("concave", 0.9)] * 4
@@ -106,11 +106,11 @@ def test_views_tell_where_it_is_in_a_room_that_repeats_itself(start: int) -> Non
     found.corner("concave", 0.4)
     assert len(found.contested) == 6
     look(found, start)
-    assert found.claim is None
+    assert found.estimate is None
     found.turned(QUARTER)
     found.corner("concave", 0.901)
     look(found, (start + 1) % 4)
-    assert found.claim == (start + 1) % 4
+    assert found.estimate == (start + 1) % 4
     assert found.contested == []
 
 
@@ -122,7 +122,7 @@ def test_a_single_look_is_never_enough() -> None:
         found.turned(QUARTER)
         found.corner("concave", 0.9)
         found.seen({})
-    assert found.claim is None
+    assert found.estimate is None
 
 
 def test_views_do_not_outweigh_a_boundary_that_fits_nowhere_else() -> None:
@@ -133,8 +133,8 @@ def test_views_do_not_outweigh_a_boundary_that_fits_nowhere_else() -> None:
     for node in range(4):
         found.turned(QUARTER if ROOM[node][0] == "concave" else -QUARTER)
         found.corner(ROOM[node + 1][0], ROOM[node][1] + rng.normal(0, 0.002))
-        assert found.claim in (None, node + 1)
-    assert found.claim == 4
+        assert found.estimate in (None, node + 1)
+    assert found.estimate == 4
 
 
 def test_where_the_boundary_decides_soon_nothing_is_contested() -> None:

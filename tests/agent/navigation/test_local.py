@@ -163,7 +163,7 @@ def test_home_at_a_convex_corner_it_goes_by_where_both_walls_are_seen() -> None:
     ]
 
 
-def test_a_lookout_that_cannot_be_reached_is_left_out() -> None:
+def test_a_vantage_point_that_cannot_be_reached_is_left_out() -> None:
     trip, puppet, agent = local("convex", -QUARTER)
     trip.home()
     through = puppet.goals[-1]
