@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import Self
 
 from ...world.robot import Pose, wrap_angle
-from ..local_goals import LocalBelief, vantage_of
+from ..local_goals import LocalBelief
 from ..perception.wall_scan import SeenWall
+from ..walls import vantage_of
 
 _GATE = 16.0
 """Squared standard deviations beyond which a correction is refused."""

@@ -7,6 +7,9 @@ from itertools import product
 
 import networkx as nx
 
+from ...maps.errors import NoPathError
+from ...maps.planning import shortest_path
+
 Cell = tuple[int, int]
 """(row, column) of a node of the rigid graph."""
 
@@ -66,10 +69,15 @@ class RigidGraph:
     def path(self, start: Cell, goal: Cell) -> list[Cell] | None:
         """The shortest way (A*) not known to be blocked, without `start`; None if there is none."""
         try:
-            path: list[Cell] = nx.astar_path(self.graph, start, goal, heuristic=self.distance)
-        except nx.NetworkXNoPath:
+            path, _ = shortest_path(
+                start,
+                goal,
+                lambda cell: ((neighbor, 1.0, neighbor) for neighbor in self.graph[cell]),
+                lambda cell: self.distance(cell, goal),
+            )
+        except NoPathError:
             return None
-        return path[1:]
+        return path
 
     def way_back(self, start: Cell, goal: Cell) -> list[Cell] | None:
         """The shortest way over arcs that were driven, without `start`; None if there is none."""

@@ -12,7 +12,7 @@ from ...world.robot import wrap_angle
 from ..goals import Crossing
 from ..mapping.base import ArcKey
 from ..navigation.legs import CROSSING
-from ..walls import WALL_DISTANCE
+from ..walls import WALL_DISTANCE, away_from
 from .outlines import SLANT, Outline, Point, first_hit
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ def best_link(
 
     failed: pairs of nodes that are not to be joined.
     """
-    free = 0.5 * math.pi if side == "right" else -0.5 * math.pi
+    free = 0.5 * math.pi * away_from(side)
     best: Link | None = None
     for target in targets:
         outline = known[target]

@@ -26,7 +26,7 @@ from ..mapping.base import ArcKey, MapSink
 from ..mapping.corners import Mapper, MappingConfig
 from ..navigation.corners import Navigator
 from ..navigation.crossing import CrossingDrive, Stage
-from ..walls import START_AT
+from ..walls import START_AT, away_from
 from .anchor import Anchor
 from .candidate import ROUND, Candidate
 from .coverage import ScoutConfig, Scouting
@@ -238,8 +238,7 @@ class IslandMapper(Listener):
     def _leave(self) -> None:
         """Straight away from the wall at its side, wherever that leads."""
         self._doing, self._chord = Doing.CROSSING, None
-        away = 0.4 * math.pi if self.side == "right" else -0.4 * math.pi
-        self._drive.cross(away, _FARTHEST)
+        self._drive.cross(0.4 * math.pi * away_from(self.side), _FARTHEST)
 
     def _known(self) -> list[Outline]:
         assert self._scouting is not None

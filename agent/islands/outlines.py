@@ -108,7 +108,7 @@ def closed_points(
 
 
 def outlines(hybrid: HybridMap) -> list[Outline]:
-    """The closed boundaries of a map that lie in its frame: that of node 0, then those that crossings found."""
+    """The closed boundaries of a map that lie in its frame: that of node 0, then what crossings led to."""
     found = []
     seen: set[int] = set()
     for node in hybrid.nodes():

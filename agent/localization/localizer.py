@@ -18,7 +18,7 @@ from ..events import BehaviorFinished, CornerReached, Localized, Lost, WallMet
 from ..goals import Follow, LookAround
 from ..listener import Listener, Outcome
 from ..maneuvers import Foray
-from ..walls import START_AT
+from ..walls import START_AT, away_from
 from .corner_filter import BoundaryFilter, LocalizationConfig
 from .views import NodeViews
 
@@ -147,7 +147,7 @@ class Localizer(Listener):
         self._before += self.filter.length
         self.filter.restart()
         self.agent.stop("wall-following")
-        away = _AWAY if self.side == "right" else -_AWAY
+        away = _AWAY * away_from(self.side)
         self.agent.start("foray", Foray(away, self.filter.loop_length))
 
     def _on_finished(self, event: BehaviorFinished) -> None:

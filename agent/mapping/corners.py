@@ -20,8 +20,7 @@ from ..estimation.wall_segments import WallSegmentMeter
 from ..estimation.wheel_calibration import SETTLED, MismatchEstimate
 from ..events import BehaviorFinished, CornerReached, LoopClosed, WallMet
 from ..goals import ExploreLocally, Follow, FollowFrom, GoAlong, Leg, ReacquireCorner
-from ..local_goals import walls_at
-from ..walls import START_AT, WALL_DISTANCE
+from ..walls import START_AT, WALL_DISTANCE, away_from, walls_at
 from .base import BaseMapper, MapSink, NodeSettings
 
 if TYPE_CHECKING:
@@ -278,7 +277,7 @@ class Mapper(BaseMapper):
         square = not bend and (self.trace.is_right_angled or len(self.trace.corners) < 3)
         walls = walls_at(self.config.side, self._corner.kind, square=square, distance=distance)
         heading = wrap_angle(self.agent.odometry.heading - self._corner.heading)
-        edge = (-distance, -distance if self.config.side == "right" else distance)
+        edge = (-distance, -distance * away_from(self.config.side))
         points = (edge,) if self._corner.kind == "convex" else ()
         drift_rate = self.agent.odometry.drift_rate
         return ExploreLocally(self._strategy, heading, walls, square, self._corner.kind, points, drift_rate)

@@ -18,17 +18,13 @@ CROSSING = "crossing"
 """Note of a crossing's arc: how it is driven, the fields of `goals.Crossing`."""
 
 
-def plan_legs(hybrid_map: HybridMap, start: int, arrival: str, goal: int) -> tuple[Leg, ...]:
-    """The shortest way (A* over the graph) as legs to drive. Raises: MapError if there is none.
-
-    arrival: the side of the wall by which the robot came to `start`, which says how it stands there: in the
-    entry heading if that is the side the map was made by, else as it arrives from the other direction.
-    """
-    return legs_along(hybrid_map, hybrid_map.path(start, goal), arrival)
-
-
 def legs_along(hybrid_map: HybridMap, arcs: Iterable[Arc], arrival: str) -> tuple[Leg, ...]:
-    """These arcs as legs to drive, one after the other. arrival: as for `plan_legs`."""
+    """These arcs as legs to drive, one after the other.
+
+    arrival: the side of the wall by which the robot came to where they begin, which says how it stands there:
+    in the entry heading if that is the side the map was made by, else as it arrives from the other direction.
+    Raises: MapError if the map does not say how one of them is driven.
+    """
     legs: list[Leg] = []
     side: str | None = arrival
     for arc in arcs:

@@ -13,8 +13,8 @@ from ..estimation.local_filter import LocalPose
 from ..events import BehaviorFinished
 from ..goals import DrivePath, PlacesDriven
 from ..listener import Listener
-from ..local_goals import DrivePathWithLandmarks, PlacesByWalls, walls_at
-from ..walls import WALL_DISTANCE
+from ..local_goals import DrivePathWithLandmarks, PlacesByWalls
+from ..walls import WALL_DISTANCE, walls_at
 
 if TYPE_CHECKING:
     from ...maps.hybrid_map import HybridMap

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 from ...world.robot import Percept, RobotGeometry, wrap_angle
+from ..walls import away_from
 
 _RIGHT = (0, 7, 1, 2, 3)
 _LEFT = (7, 0, 6, 5, 4)
@@ -46,7 +47,7 @@ class SideView:
     def __init__(self, geometry: RobotGeometry, side: str) -> None:
         """side: "right" or "left"."""
         self.geometry = geometry
-        self.sign = 1.0 if side == "right" else -1.0
+        self.sign = away_from(side)
         self._index = _RIGHT if side == "right" else _LEFT
         self._radius = geometry.body_radius
         angles = geometry.infrared_angles

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from tolman.agent import Agent
 from tolman.agent.events import BehaviorFinished, Event
 from tolman.agent.goals import ExploreLocally, LocalSamples
-from tolman.agent.local_goals import walls_at
+from tolman.agent.walls import walls_at
 from tolman.behaviors.local_exploration import Exploring, LocalExploration
 from tolman.plugins.testing import Trial, assert_valid, event_of, percept
 from tolman.plugins.testing.strategies import percept_runs

@@ -9,7 +9,8 @@ from tolman.agent import Agent
 from tolman.agent.estimation.local_filter import LocalPose
 from tolman.agent.events import BehaviorFinished
 from tolman.agent.goals import DrivePath, PlacesDriven
-from tolman.agent.local_goals import DrivePathWithLandmarks, walls_at
+from tolman.agent.local_goals import DrivePathWithLandmarks
+from tolman.agent.walls import walls_at
 from tolman.behaviors.local_go_to import LocalGoing, LocalGoTo
 from tolman.plugins.testing import Trial, assert_states, assert_valid, percept
 from tolman.plugins.testing.strategies import percept_runs

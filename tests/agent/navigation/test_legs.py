@@ -6,11 +6,17 @@ import networkx as nx
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tolman.agent.goals import FollowFrom
-from tolman.agent.navigation.legs import plan_legs
+from tolman.agent.goals import FollowFrom, Leg
+from tolman.agent.navigation.legs import legs_along
 from tolman.maps.errors import MapError
+from tolman.maps.hybrid_map import HybridMap
 
 from .rings import QUARTER, SQUARE, ring
+
+
+def plan_legs(graph: HybridMap, start: int, arrival: str, goal: int) -> tuple[Leg, ...]:
+    """The legs of the shortest way."""
+    return legs_along(graph, graph.path(start, goal), arrival)
 
 
 def test_onward_it_follows_on_from_the_corner_it_stands_at() -> None:
