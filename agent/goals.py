@@ -24,6 +24,15 @@ class FollowFrom(Enum):
     """Heading along a wall that begins a little ahead, as after the turn at a convex corner."""
 
 
+START_AT = {
+    "concave": FollowFrom.CONCAVE,
+    "convex": FollowFrom.CONVEX,
+    "bend": FollowFrom.WALL,
+    "none": FollowFrom.WALL,
+}
+"""What one stands at who goes on by the same wall: by the kind of `CornerReached`, or of the map's node."""
+
+
 @dataclass(frozen=True, slots=True)
 class Follow:
     """Follow the wall on `side` ("right" or "left"); `start`: what the robot stands at.

@@ -4,23 +4,14 @@ from __future__ import annotations
 
 import math
 
-from .goals import FollowFrom
-
 WALL_DISTANCE = 0.057
 """Meters from the walls at which the robot's center follows them, and so at which corners are nodes."""
-START_AT = {
-    "concave": FollowFrom.CONCAVE,
-    "convex": FollowFrom.CONVEX,
-    "bend": FollowFrom.WALL,
-    "none": FollowFrom.WALL,
-}
-"""What one stands at who goes on by the same wall: by the kind of `CornerReached`, or of the map's node."""
 _BEYOND = 0.03
 """Meters past a wall's end from where its foot can be seen, sensors turned to and fro."""
 
 
 def away_from(side: str) -> float:
-    """Sign of a turn away from a wall on `side`: +1.0 (counter-clockwise) from one on the right, else -1.0."""
+    """Sign of a turn away from a wall on `side`: +1.0, counter-clockwise, from the right, else -1.0."""
     return 1.0 if side == "right" else -1.0
 
 

@@ -19,14 +19,14 @@ from ...maps.boundary.layout import PLACE
 from ...world.robot import Percept
 from ..boundary.trace import BEND
 from ..events import CornerReached, Localized, LoopClosed, Lost, NodePassed, NodeReached
-from ..goals import Follow
+from ..goals import START_AT, Follow
 from ..listener import Listener, Outcome
 from ..localization.localizer import Localizer
 from ..mapping.base import ArcKey, MapSink
 from ..mapping.corners import Mapper, MappingConfig
 from ..navigation.corners import Navigator
 from ..navigation.crossing import CrossingDrive, Stage
-from ..walls import START_AT, away_from
+from ..walls import away_from
 from .anchor import Anchor
 from .candidate import ROUND, Candidate
 from .coverage import ScoutConfig, Scouting

@@ -19,8 +19,8 @@ from ..boundary.trace import BEND, BoundaryTrace, ClosingConfig
 from ..estimation.wall_segments import WallSegmentMeter
 from ..estimation.wheel_calibration import SETTLED, MismatchEstimate
 from ..events import BehaviorFinished, CornerReached, LoopClosed, WallMet
-from ..goals import ExploreLocally, Follow, FollowFrom, GoAlong, Leg, ReacquireCorner
-from ..walls import START_AT, WALL_DISTANCE, away_from, walls_at
+from ..goals import START_AT, ExploreLocally, Follow, FollowFrom, GoAlong, Leg, ReacquireCorner
+from ..walls import WALL_DISTANCE, away_from, walls_at
 from .base import BaseMapper, MapSink, NodeSettings
 
 if TYPE_CHECKING:

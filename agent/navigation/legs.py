@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 from ...maps.errors import MapError
 from ..boundary.trace import BLUNT
-from ..goals import Crossing, FollowFrom, Leg
-from ..walls import START_AT
+from ..goals import START_AT, Crossing, FollowFrom, Leg
 
 if TYPE_CHECKING:
     from ...maps.hybrid_map import Arc, HybridMap
