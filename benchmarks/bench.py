@@ -20,8 +20,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tolman.scripts.session import map_world
 from tolman.scripts.session.requests import MapRequest
+from tolman.scripts.session.simulation import map_world
 from tolman.world import CONTROL_PERIOD, built_in_world, find_world, open_world
 from tolman.world.spec import Box
 

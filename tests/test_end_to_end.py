@@ -10,7 +10,8 @@ from typing import Any
 
 import pytest
 from tolman.maps.hybrid_map import HybridMap
-from tolman.scripts.session import GoRequest, MapRequest, go_to, map_world
+from tolman.scripts.session.requests import GoRequest, MapRequest
+from tolman.scripts.session.simulation import go_to, map_world
 
 pytestmark = pytest.mark.e2e
 
@@ -81,7 +82,8 @@ def test_a_room_with_many_corners_is_mapped(tmp_path: Path) -> None:
 KILLED = """
 import os, sys
 from pathlib import Path
-from tolman.scripts.session import MapRequest, map_world
+from tolman.scripts.session.requests import MapRequest
+from tolman.scripts.session.simulation import map_world
 
 def die(progress):
     if progress.nodes == 5:

@@ -10,9 +10,9 @@ import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from tolman.scripts.session.mapping_run import map_world
-from tolman.scripts.session.replay_run import replay
+from tolman.scripts.session.replay import replay
 from tolman.scripts.session.requests import MapRequest
+from tolman.scripts.session.simulation import map_world
 
 WORLDS = ("env1", "env2")
 LOCAL = 4

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ...world.robot import Pose, wrap_angle
-from .errors import did_you_mean
+from ..errors import did_you_mean
 
 NOISES = ("none", "encoder", "thesis")
 PROFILES = ("default", "thesis")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import json
-import math
 import os
 import sys
 import tempfile
@@ -14,12 +13,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, TextIO
 
-import numpy as np
-
 from ...files.messages import FileError
 from ...files.reading import open_regular
 from ...files.writing import check_target
-from .errors import UsageError
+from ..errors import UsageError
+from ..plain import plain
 
 
 def check_input(path: Path, what: str) -> Path:
@@ -50,23 +48,6 @@ def check_output(path: Path, *, replace: bool, hint: str = "--force replaces it"
         raise UsageError(str(error)) from None
     except OSError as error:
         raise UsageError(f"{path}: cannot write in {path.parent}: {error.strerror}") from None
-
-
-def plain(value: Any) -> Any:
-    """The same value in JSON's own types: numpy turned to Python, numbers that are not finite to None."""
-    if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, np.ndarray):
-        return plain(value.tolist())
-    if isinstance(value, (list, tuple, set, frozenset)):
-        return [plain(item) for item in value]
-    if isinstance(value, np.generic):
-        return plain(value.item())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    if value is None or isinstance(value, (bool, int, float, str)):
-        return value
-    return str(value)
 
 
 def print_json(value: Mapping[str, Any] | list[Any]) -> None:

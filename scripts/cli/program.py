@@ -14,8 +14,8 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from typing import NoReturn
 
+from ..errors import UsageError, describe, did_you_mean, status_of
 from .command import Command
-from .errors import UsageError, describe, did_you_mean, status_of
 from .streams import escaped_streams
 
 COMMANDS = {

@@ -1,17 +1,5 @@
-"""What the command line, the experiments and missions ask for: mapping a world, and a trip over a map."""
+"""A simulated robot at work: `simulation.Simulation` opens a world, and maps, trips and missions run on it.
 
-from .mapping_run import map_world
-from .requests import GoReport, GoRequest, MapReport, MapRequest, Progress, SessionError, Simulation
-from .trip_run import go_to
-
-__all__ = [
-    "GoReport",
-    "GoRequest",
-    "MapReport",
-    "MapRequest",
-    "Progress",
-    "SessionError",
-    "Simulation",
-    "go_to",
-    "map_world",
-]
+`requests` says what can be asked of it, `replay` runs a recorded session again, `truth` is what only scoring,
+saving and drawing know.
+"""

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 
-from ...agent import Agent
+from ...agent import Agent, Behavior
 from ...agent.handle import Limits
 from ...plugins.discovery import build_behaviors, load_mediator
 from ...world import World, WorldSpec, open_world
 from ...world.robot import Pose
 from .profiles import Profile, behavior_settings, find_profile
-from .requests import Simulation
+from .requests import RunSettings
 from .settings import mediator_of
 
 HANG = 2.0
@@ -21,7 +21,7 @@ HANG = 2.0
 
 
 def make_world(
-    simulation: Simulation, world: str | WorldSpec, settings: Mapping[str, Any], start: Pose | str | None
+    simulation: RunSettings, world: str | WorldSpec, settings: Mapping[str, Any], start: Pose | str | None
 ) -> World:
     """Opens a world (name, path, description) with a request's noise and robot model. Raises: WorldError."""
     noise: Any = simulation.noise
@@ -40,15 +40,16 @@ def make_world(
 
 
 def make_agent(
-    simulation: Simulation,
+    simulation: RunSettings,
     world: World,
     settings: Mapping[str, Any],
     robot: int = 0,
     profile: Profile | None = None,
+    others: Iterable[Behavior] = (),
 ) -> Agent:
     """An agent for one of the world's robots, with every behavior that is found and the reflexes at work.
 
-    profile: None is the one that the simulation names.
+    profile: None is the one that the simulation names. others: behaviors besides those that are found.
 
     Behaviors from folders run under the default limits; without them nothing depends on the wall clock.
     Raises: PluginError, ConfigError, SessionError.
@@ -60,7 +61,8 @@ def make_agent(
     mediator = load_mediator(name, simulation.plugins, options)
     limits = Limits(hang=HANG) if simulation.plugins else Limits(budget=None)
     seed = np.random.SeedSequence([simulation.seed, robot])
-    agent = Agent(world.robots[robot], behaviors.values(), mediator=mediator, seed=seed, limits=limits)
+    every = [*behaviors.values(), *others]
+    agent = Agent(world.robots[robot], every, mediator=mediator, seed=seed, limits=limits)
     for name in profile.reflexes:
         agent.start(name)
     return agent

@@ -1,4 +1,4 @@
-"""Runs a mapping: world, agent, mapper and map file together, and scores what came of it."""
+"""The former way to run a mapping, for experiments until they use `mapping.Mapping` on a `Simulation`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from importlib.metadata import version
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,12 +21,11 @@ from ...maps.meta import MapMeta
 from ...maps.storage.map_file import RUN, MapFile
 from ...world import World
 from ...world.robot import Pose
-from ..cli.output import plain
-from .assembly import make_agent, make_world
-from .profiles import Profile, find_profile, make_mapper
-from .record_run import recorded
-from .requests import MapReport, MapRequest, Progress, SessionError
-from .settings import load_settings
+from ..plain import plain
+from .assembly import make_agent
+from .mapping import MapReport
+from .profiles import Profile, make_mapper
+from .requests import MapRequest, Progress, SessionError
 from .truth import node_truth, run_truth
 
 CORRECT_WITHIN = 0.15
@@ -36,34 +34,10 @@ NO_CORNER_WITHIN = 30.0
 """Meters of driving without a corner after which a mapping is given up."""
 
 
-def map_world(request: MapRequest, progress: Callable[[Progress], None] = lambda progress: None) -> MapReport:
-    """Maps a world, saving as it goes, and reports.
-
-    Raises: WorldError, MapError, SessionError, PluginError for a request that cannot be met; before the run.
-    """
-    profile = find_profile(request.profile)
-    settings = load_settings(request.config)
-    world = make_world(request, request.world, settings, request.start or request.side)
-    try:
-        before = unfinished(request.output) if request.record is not None and request.resume else {}
-        with open_map_file(request, world) as file:
-            run = MappingRun(request, world, file, settings, profile, progress)
-            with recorded(request.record, "map", request, run.agent, world, before):
-                run.drive()
-            return run.report()
-    finally:
-        world.close()
-
-
-def unfinished(path: Path) -> dict[str, bytes]:
-    """A map file as it is and what a killed writer left beside it, by name: what a mapping goes on from."""
-    beside = {"map": path, "map-wal": path.with_name(f"{path.name}-wal")}
-    return {name: file.read_bytes() for name, file in beside.items() if file.is_file()}
-
-
 def open_map_file(request: MapRequest, world: World) -> MapFile:
     """The file that a mapping writes: a new one, or one to go on with. Raises: MapError, SessionError."""
     if request.resume:
+        assert request.output is not None
         file = MapFile.resume(request.output)
         why = _why_not_resumed(request, world, file.map.meta)
         if why:
@@ -85,6 +59,7 @@ def open_map_file(request: MapRequest, world: World) -> MapFile:
             **({"islands": True} if request.islands else {}),
         },
     )
+    assert request.output is not None
     return MapFile.create(request.output, meta, force=request.force)
 
 
@@ -346,6 +321,7 @@ class MappingRun:
             noise=self.request.noise,
             world=self.world.spec.name,
             version=version("tolman"),
+            map=self.map,
             **_found(self.mapper),
         )
 

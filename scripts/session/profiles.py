@@ -22,7 +22,7 @@ from ...agent.navigation.published import ThesisNavigationConfig, ThesisNavigato
 from ...maps.hybrid_map import HybridMap
 from ...maps.local.training import DEFAULT, THESIS_2, LocalMapConfig
 from ...maps.som.schedules import PERCEPTUAL_2
-from ..cli.errors import did_you_mean
+from ..errors import did_you_mean
 from .requests import MapRequest, SessionError
 
 Settings = Mapping[str, Mapping[str, Any]]

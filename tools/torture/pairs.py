@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 from tolman.maps import HybridMap, NoMatchError, compare, merge
 from tolman.maps.boundary.walk import boundaries
-from tolman.scripts.session.mapping_run import map_world
 from tolman.scripts.session.requests import MapRequest
+from tolman.scripts.session.simulation import map_world
 from tolman.scripts.session.truth import read_map_truth
 from tolman.world.arenas.catalog import built_in_world
 from tolman.world.geometry import Plan

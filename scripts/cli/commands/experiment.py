@@ -16,11 +16,12 @@ from typing import TYPE_CHECKING
 
 from ....files.reading import read_text
 from ....files.writing import write_text
+from ...errors import UsageError
 from ...experiments.campaign.kinds import ENVIRONMENTS, FIRST_SEED
+from ...plain import plain
 from ..command import Command
-from ..errors import UsageError
 from ..options import integer
-from ..output import ProgressLine, check_input, check_output, plain, stdout_to_stderr
+from ..output import ProgressLine, check_input, check_output, stdout_to_stderr
 
 if TYPE_CHECKING:
     from ...experiments.campaign.campaign import Progress

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from ..command import Command
-from ..options import add_simulation, node, pose, simulation_values
+from ..options import add_simulation, node, number, pose, simulation_values
 from ..output import ProgressLine, check_input, check_output, print_json, stdout_to_stderr
 
 DESCRIPTION = """Loads a map and drives to one of its nodes. Without --from, --at or --lost the robot
@@ -32,6 +32,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--world", metavar="WORLD", help="drive in this world instead of the one the map was made in"
     )
+    parser.add_argument(
+        "--max-time", type=number(0, strictly=True), metavar="S", help="give up after S simulated seconds"
+    )
     parser.add_argument("--learn", action="store_true", help="let the map learn from the trip")
     parser.add_argument(
         "--record", type=Path, metavar="RUN", help="record the trip, for `tolman replay` and `tolman explain`"
@@ -46,7 +49,8 @@ def run(options: argparse.Namespace) -> int:
         check_input(options.config, "file of settings")
     if options.record is not None:
         check_output(options.record, replace=True)
-    from ...session import GoRequest, Progress, go_to
+    from ...session.requests import GoRequest, Progress
+    from ...session.simulation import go_to
 
     request = GoRequest(
         map=options.map,
@@ -56,6 +60,7 @@ def run(options: argparse.Namespace) -> int:
         lost=options.lost,
         world=options.world,
         learn=options.learn,
+        max_time=options.max_time,
         **simulation_values(options),
         record=options.record,
     )

@@ -11,7 +11,7 @@ from ..options import add_force, add_simulation, integer, number, one_of, pictur
 from ..output import ProgressLine, check_input, check_output, print_json, stdout_to_stderr
 
 if TYPE_CHECKING:
-    from ...session import MapReport
+    from ...session.mapping import MapReport
 
 DESCRIPTION = """Explores a world that the robot does not know by following its walls, builds the hybrid map
 and saves it as it goes. The mapping ends when the robot is back where it began and knows it.
@@ -87,7 +87,8 @@ def check(options: argparse.Namespace) -> None:
 def run(options: argparse.Namespace) -> int:
     """Maps, draws and reports."""
     check(options)
-    from ...session import MapRequest, Progress, map_world
+    from ...session.requests import MapRequest, Progress
+    from ...session.simulation import map_world
 
     request = MapRequest(
         world=options.world,

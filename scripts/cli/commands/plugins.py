@@ -12,8 +12,8 @@ from ....plugins.diagram import draw, mermaid
 from ....plugins.discovery import BEHAVIORS, MEDIATORS, Catalog, Plugin, discover, plugin_files, plugins_in
 from ....plugins.errors import PluginError
 from ....plugins.template import write_plugin
+from ...errors import UsageError
 from ..command import Command
-from ..errors import UsageError
 from ..options import add_json, one_of
 from ..output import check_output, print_json
 

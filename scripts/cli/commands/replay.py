@@ -29,9 +29,7 @@ def _add_replay(parser: argparse.ArgumentParser) -> None:
 
 
 def _replay(options: argparse.Namespace) -> int:
-    from ...session.replay_run import (
-        replay,  # here: it loads maps and sessions, which `explain` does not need
-    )
+    from ...session.replay import replay  # here: it loads maps and sessions, which `explain` does not need
 
     with stdout_to_stderr():
         report = replay(

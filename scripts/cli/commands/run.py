@@ -11,7 +11,7 @@ from ..options import add_force, add_simulation, number, pose, simulation_values
 from ..output import ProgressLine, check_input, check_output, print_json, stdout_to_stderr
 
 if TYPE_CHECKING:
-    from ...session.mission_requests import MissionRequest
+    from ...session.requests import MissionRequest
 
 DESCRIPTION = """Runs a mission: a Python file with a generator function `mission`, or a YAML file of steps.
 See docs/missions.md for the steps, and scripts/missions/ for examples.
@@ -58,7 +58,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _request(options: argparse.Namespace) -> MissionRequest:
-    from ...session.mission_requests import MissionRequest
+    from ...session.requests import MissionRequest
 
     return MissionRequest(
         mission=options.mission,
@@ -93,8 +93,8 @@ def _show(request: MissionRequest, as_json: bool) -> int:
 
 
 def _run(request: MissionRequest, as_json: bool) -> int:
-    from ...session.mission_session import run_mission
     from ...session.requests import Progress
+    from ...session.simulation import run_mission
 
     line = ProgressLine()
 

@@ -7,8 +7,8 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...errors import UsageError
 from ..command import Command
-from ..errors import UsageError
 from ..options import add_json, integer, one_of
 from ..output import print_json
 

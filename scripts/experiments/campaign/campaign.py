@@ -20,7 +20,7 @@ from typing import Any
 
 import joblib
 
-from ...cli.output import plain
+from ...plain import plain
 
 Scalar = str | int | float | bool | None
 Result = dict[str, Any]

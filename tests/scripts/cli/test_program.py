@@ -16,9 +16,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tolman.scripts.cli import program as cli
-from tolman.scripts.cli.errors import UsageError, did_you_mean, status_of
 from tolman.scripts.cli.options import integer, node, number, one_of, picture, pose
-from tolman.scripts.cli.output import ProgressLine, check_input, check_output, plain, stdout_to_stderr
+from tolman.scripts.cli.output import ProgressLine, check_input, check_output, stdout_to_stderr
+from tolman.scripts.errors import UsageError, did_you_mean, status_of
+from tolman.scripts.plain import plain
 
 
 def outcome(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:

@@ -3,9 +3,9 @@
 import json
 
 import pytest
-from tolman.scripts.cli.output import plain
 from tolman.scripts.experiments.page import STUDIES
 from tolman.scripts.experiments.studies.study import Asked
+from tolman.scripts.plain import plain
 
 ASKED = Asked(runs=2, environments=("env1",))
 

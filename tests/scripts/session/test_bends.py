@@ -6,8 +6,9 @@ import math
 from pathlib import Path
 
 import pytest
-from tolman.scripts.session import go_to, map_world
-from tolman.scripts.session.requests import GoRequest, MapReport, MapRequest
+from tolman.scripts.session.mapping import MapReport
+from tolman.scripts.session.requests import GoRequest, MapRequest
+from tolman.scripts.session.simulation import go_to, map_world
 
 ROUND_POINTS = [(0.5 * math.cos(math.tau * i / 72), 0.5 * math.sin(math.tau * i / 72)) for i in range(72)]
 

@@ -12,8 +12,10 @@ from tolman.agent.goals import Crossing
 from tolman.agent.islands.outlines import outlines
 from tolman.maps.hybrid_map import HybridMap
 from tolman.maps.storage.map_file import MapFile, read_truth
-from tolman.scripts.session import go_to, map_world
-from tolman.scripts.session.requests import GoReport, GoRequest, MapReport, MapRequest, SessionError
+from tolman.scripts.session.mapping import MapReport
+from tolman.scripts.session.requests import GoRequest, MapRequest, SessionError
+from tolman.scripts.session.simulation import go_to, map_world
+from tolman.scripts.session.trip import GoReport
 
 WORLD = """\
 tolman-world: 1
@@ -115,7 +117,8 @@ def test_dropped_anywhere_it_finds_its_place_though_the_island_looks_the_same_tw
 KILLED = """
 import os, sys
 from pathlib import Path
-from tolman.scripts.session import MapRequest, map_world
+from tolman.scripts.session.requests import MapRequest
+from tolman.scripts.session.simulation import map_world
 
 def die(progress):
     if progress.message.startswith(sys.argv[3]):

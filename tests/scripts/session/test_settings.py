@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 from tolman.agent.errors import ConfigError
 from tolman.plugins.errors import PluginError
-from tolman.scripts.session import map_world
 from tolman.scripts.session.requests import MapRequest, SessionError
 from tolman.scripts.session.settings import (
     LIMIT,
@@ -16,6 +15,7 @@ from tolman.scripts.session.settings import (
     parse_settings,
     recorded_settings,
 )
+from tolman.scripts.session.simulation import map_world
 
 
 def written(tmp_path: Path, text: str) -> Path:

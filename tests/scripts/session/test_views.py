@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from tolman.scripts.session import go_to, map_world
-from tolman.scripts.session.requests import GoReport, GoRequest, MapRequest
+from tolman.scripts.session.requests import GoRequest, MapRequest
+from tolman.scripts.session.simulation import go_to, map_world
+from tolman.scripts.session.trip import GoReport
 
 
 def mapped(world: str, side: str, path: Path) -> Path:

@@ -5,10 +5,10 @@ import re
 from collections.abc import Callable
 from typing import Any
 
-from tolman.scripts.cli.output import plain
 from tolman.scripts.experiments.campaign.kinds import GLOBAL
 from tolman.scripts.experiments.campaign.plan import Outcome, Plan
 from tolman.scripts.experiments.report.text import report_text, report_values
+from tolman.scripts.plain import plain
 
 WORLD = "env1"
 Make = Callable[..., Any]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from tolman.scripts.session import map_world
 from tolman.scripts.session.requests import MapRequest
+from tolman.scripts.session.simulation import map_world
 
 
 @pytest.fixture(scope="session")

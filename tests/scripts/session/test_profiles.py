@@ -21,7 +21,7 @@ from tolman.scripts.session.profiles import (
     make_mapper,
     make_navigator,
 )
-from tolman.scripts.session.requests import MapRequest, SessionError, Simulation
+from tolman.scripts.session.requests import MapRequest, RunSettings, SessionError
 
 
 def test_the_command_line_offers_the_profiles_there_are() -> None:
@@ -51,7 +51,7 @@ def test_a_profile_can_do_without_each_remedy_and_stays_as_it_is_otherwise(remed
     assert replace(without, name="default") != whole
     changed = [f.name for f in fields(whole) if getattr(whole, f.name) != getattr(without, f.name)]
     assert set(changed) <= {"name", "behaviors", "mapping", "learn_mismatch", "reflexes"}
-    simulation = Simulation(profile=without.name, engine="kinematic")
+    simulation = RunSettings(profile=without.name, engine="kinematic")
     agent = make_agent(simulation, make_world(simulation, "env1", {}, None), {})
     assert isinstance(make_navigator(without, agent, HybridMap(), 0, None), Navigator)
 
@@ -80,7 +80,7 @@ class Nowhere:
 )
 def test_a_profile_names_its_mapper_and_navigator(name: str, mapper: type, navigator: type) -> None:
     profile = find_profile(name)
-    simulation = Simulation(profile=name, engine="kinematic")
+    simulation = RunSettings(profile=name, engine="kinematic")
     world = make_world(simulation, "env1", {}, None)
     agent = make_agent(simulation, world, {})
     hybrid = HybridMap()
@@ -92,7 +92,7 @@ def test_a_profile_names_its_mapper_and_navigator(name: str, mapper: type, navig
 
 
 def test_profile_thesis_explores_by_path_integration_alone() -> None:
-    simulation = Simulation(profile="thesis", engine="kinematic")
+    simulation = RunSettings(profile="thesis", engine="kinematic")
     agent = make_agent(simulation, make_world(simulation, "env1", {}, None), {})
     config = agent.behavior("local-exploration").config
     assert not config.landmarks

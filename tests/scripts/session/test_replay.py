@@ -9,18 +9,11 @@ from tolman.agent import Agent
 from tolman.agent.errors import RecordingError
 from tolman.agent.recording.reader import read_recording
 from tolman.agent.recording.recorder import Recorder
-from tolman.maps.hybrid_map import HybridMap
-from tolman.maps.storage.map_file import read_truth
 from tolman.plugins.testing import ScriptedRobot, percept
 from tolman.scripts.cli.program import execute
-from tolman.scripts.session import map_world
-from tolman.scripts.session.assembly import make_agent, make_world
-from tolman.scripts.session.profiles import find_profile, make_navigator
-from tolman.scripts.session.record_run import recorded
-from tolman.scripts.session.replay_run import replay
+from tolman.scripts.session.replay import replay
 from tolman.scripts.session.requests import GoRequest, MapRequest
-from tolman.scripts.session.trip_run import Trip
-from tolman.world.robot import Pose
+from tolman.scripts.session.simulation import go_to, map_world
 
 
 @pytest.fixture(scope="module")
@@ -36,6 +29,12 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> MapRequest:
     )
     assert map_world(request).loop_closed
     return request
+
+
+def saved(run: MapRequest) -> Path:
+    """The map file of a run."""
+    assert run.output is not None
+    return run.output
 
 
 def test_a_recorded_mapping_replays_to_the_bit(run: MapRequest) -> None:
@@ -66,7 +65,7 @@ def test_so_does_one_that_was_resumed(run: MapRequest, tmp_path: Path) -> None:
     begun = replace(run, output=tmp_path / "m", record=None, max_nodes=3)
     assert map_world(begun).nodes == 3
     map_world(replace(begun, max_nodes=None, resume=True, record=tmp_path / "r"))
-    assert (tmp_path / "m").read_bytes() == run.output.read_bytes()
+    assert (tmp_path / "m").read_bytes() == saved(run).read_bytes()
     (tmp_path / "m").unlink()
     report = replay(tmp_path / "r")
     assert (report.identical, report.difference) == (True, None)
@@ -80,7 +79,7 @@ def replay_length(run: MapRequest) -> int:
 
 def test_recording_changes_nothing(run: MapRequest, tmp_path: Path) -> None:
     map_world(replace(run, output=tmp_path / "m", record=None))
-    assert (tmp_path / "m").read_bytes() == run.output.read_bytes()
+    assert (tmp_path / "m").read_bytes() == saved(run).read_bytes()
 
 
 def test_another_configuration_is_noticed_at_its_first_effect(run: MapRequest, tmp_path: Path) -> None:
@@ -93,19 +92,14 @@ def test_another_configuration_is_noticed_at_its_first_effect(run: MapRequest, t
     assert header["settings"] == {"behaviors": {"wall-following": {"speed": 200.0}}}
 
 
-def test_a_recorded_trip_replays_to_the_bit(run: MapRequest, tmp_path: Path) -> None:
-    request = GoRequest(map=run.output, to=4, engine="kinematic")
-    hybrid_map, truth = HybridMap.load(run.output), read_truth(run.output)
-    world = make_world(request, "env1", {}, Pose(*truth.run["pose"]))
-    agent = make_agent(request, world, {})
-    node = hybrid_map.meta.current_node
-    assert node is not None
-    with recorded(tmp_path / "r", "go", request, agent, world, {"map": run.output.read_bytes()}):
-        trip = Trip(request, world, agent, lambda progress: None)
-        navigator = make_navigator(find_profile("default"), agent, hybrid_map, node, hybrid_map.meta.side)
-        assert trip.drive(navigator, 4, truth).reached
-    report = replay(tmp_path / "r")
+@pytest.mark.parametrize("start", [{}, {"lost": True}])
+def test_a_recorded_trip_replays_to_the_bit(run: MapRequest, tmp_path: Path, start: dict[str, bool]) -> None:
+    record = tmp_path / "r"
+    request = GoRequest(map=saved(run), to=4, engine="kinematic", record=record, **start)  # type: ignore[arg-type]
+    assert go_to(request).reached
+    report = replay(record)
     assert (report.identical, report.difference) == (True, None)
+    assert read_recording(record).ticks[-1].command is not None
 
 
 def test_the_commands_say_the_same(run: MapRequest, capsys: pytest.CaptureFixture[str]) -> None:
@@ -135,7 +129,7 @@ def test_a_recording_of_another_world_of_that_name_is_refused(
     from tolman.world.arenas.catalog import find_world
 
     other = find_world("env2")
-    monkeypatch.setattr("tolman.scripts.session.replay_run.find_world", lambda name, scale: other)
+    monkeypatch.setattr("tolman.scripts.session.replay.find_world", lambda name, scale: other)
     assert run.record is not None
     with pytest.raises(RecordingError, match="recorded in another env1"):
         replay(run.record)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,7 +12,6 @@ from typing import Any, cast
 
 from ...agent.containment import describe
 from ...agent.errors import RecordingError
-from ...agent.missions.journal import Journal
 from ...agent.missions.mission import Mission
 from ...agent.recording.reader import Recording, read_recording
 from ...agent.recording.replay import Difference, ReplayEnded, ReplayWorld
@@ -20,19 +20,17 @@ from ...maps.storage.map_file import read_truth
 from ...world import World
 from ...world.arenas.catalog import find_world
 from ...world.robot import Pose
-from .assembly import make_agent
-from .mapping_run import MappingRun, open_map_file
-from .mission_requests import MissionRequest
-from .mission_session import JOURNAL, MissionSession
-from .profiles import find_profile, make_navigator
-from .requests import GoRequest, MapRequest, Progress
-from .settings import Settings, recorded_settings
-from .trip_run import Trip, start_of
+from .map_files import MapWriter
+from .mapping import Mapping, map_meta
+from .mission import JOURNAL, MissionJob
+from .requests import GoRequest, MapRequest, MissionRequest, RunSettings
+from .settings import recorded_settings
+from .site import sites_of
+from .stage import Stage
+from .starts import start_of_trip
+from .trip import Trip
 from .trust import permitted
-
-
-def _silent(progress: Progress) -> None:
-    """Tells nobody."""
+from .truth import poses_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,8 +80,15 @@ def _replayed(path: Path, recording: Recording) -> ReplayReport:
     world = ReplayWorld(recording, spec)
     with contextlib.suppress(ReplayEnded), tempfile.TemporaryDirectory() as folder:
         _REPLAYS[kind](recording, world, Path(folder))
+        world.step()  # the last tick's events
     complete = sum(tick.command is not None for tick in recording.ticks)
     return ReplayReport(kind, world.robot.ticks, complete, world.difference, recording.complete)
+
+
+def _staged(recording: Recording, world: ReplayWorld, request: RunSettings) -> Stage:
+    """The session again. It is not closed: the last command a recording has is not that."""
+    options = recorded_settings(recording.header.get("settings", {}), "recording")
+    return Stage(cast(World, world), request, options)
 
 
 def _replay_mapping(recording: Recording, world: ReplayWorld, folder: Path) -> None:
@@ -95,55 +100,37 @@ def _replay_mapping(recording: Recording, world: ReplayWorld, folder: Path) -> N
         )
     for name, content in recording.attachments.items():
         output.with_name(output.name + name.removeprefix("map")).write_bytes(content)
-    values = _common(dict(recording.header["request"]), MapRequest)
-    values |= {
-        "output": output,
-        "resume": resumed,
-        "force": False,
-        "start": None,
-        "record": None,
-    }
-    request = MapRequest(**values)
-    stage = cast(World, world)
-    with open_map_file(request, stage) as file:
-        settings = _settings(recording)
-        run = MappingRun(request, stage, file, settings, find_profile(request.profile), _silent)
-        world.robot.watch(run.agent)
-        run.drive()
-        world.step()  # the last tick's events
-
-
-def _settings(recording: Recording) -> Settings:
-    return recorded_settings(recording.header.get("settings", {}), "recording")
+    values = _common(recording, MapRequest)
+    request = MapRequest(**values | {"output": output, "resume": resumed, "force": False, "start": None})
+    stage = _staged(recording, world, request)
+    with MapWriter.open(output, request, map_meta(stage, request)) as writer:
+        mapping = Mapping(stage, request, writer=writer)
+        world.robot.watch(stage.agent)
+        mapping.drive()
 
 
 def _replay_mission(recording: Recording, world: ReplayWorld, folder: Path) -> None:
     if int(recording.header.get("robots", 1)) != 1 + len(recording.others):
         raise RecordingError("a mission of several robots, recorded by a tolman that kept only the first")
-    asked = dict(recording.header["request"])
-    script = folder / Path(str(asked["mission"])).name
+    values = _common(recording, MissionRequest)
+    script = folder / Path(str(values["mission"])).name
     script.write_bytes(recording.attachments["mission"])
-    values = _common(asked, MissionRequest) | {"mission": script, "journal": None, "resume": False}
-    values |= {"map": None, "record": None, "start": None, "force": True}
+    values |= {"mission": script, "map": None, "start": None, "force": True}
     if "map" in recording.attachments:
         values["map"] = folder / "map.tolman"
         values["map"].write_bytes(recording.attachments["map"])
-    values["journal"] = _resumed_journal(recording, folder)
     request = MissionRequest(**values)
-    stage = cast(World, world)
-    session = MissionSession(request, stage, _settings(recording), folder / "saved")
-    mission = Mission.load(script)
-    journal = Journal(request.journal, mission=mission.name, resume=True)
-    if len(journal):
-        session.restore()
-    for robot, site in zip(world.robots, session.sites, strict=True):
-        robot.watch(site.agent)
-    session.run(mission, journal, _silent)
-    world.step()  # the last tick's events
+    stage = _staged(recording, world, request)
+    sites = sites_of(stage, request, folder / "saved")
+    journal = _resumed_journal(recording, folder)
+    job = MissionJob(stage, sites, Mission.load(script), journal, resume=True)
+    for robot, agent in zip(world.robots, stage.agents, strict=True):
+        robot.watch(agent)
+    job.drive(request.max_time)
 
 
 def _resumed_journal(recording: Recording, folder: Path) -> Path | None:
-    """The journal that the recorded mission went on from, with what stood beside it; None: it began anew."""
+    """The journal that the recorded mission went on from, with what stood beside it; None without one."""
     if JOURNAL not in recording.attachments:
         return None
     path = folder / JOURNAL
@@ -154,29 +141,25 @@ def _resumed_journal(recording: Recording, folder: Path) -> Path | None:
 
 
 def _replay_trip(recording: Recording, world: ReplayWorld, folder: Path) -> None:
-    asked = dict(recording.header["request"])
+    values = _common(recording, GoRequest)
     path = folder / "map.tolman"
     path.write_bytes(recording.attachments["map"])
-    values = _common(asked, GoRequest) | {"map": path, "at": None if asked["at"] is None else Pose()}
-    request = GoRequest(**values)
+    request = GoRequest(**values | {"map": path, "at": None if values["at"] is None else Pose()})
     hybrid_map, truth = HybridMap.load(path), read_truth(path)
-    _, node, arrival = start_of(request, hybrid_map, truth)
-    stage = cast(World, world)
-    agent = make_agent(request, stage, _settings(recording))
-    world.robot.watch(agent)
-    trip = Trip(request, stage, agent, _silent)
-    node = trip.localize(hybrid_map) if node is None else node
-    if node is not None:
-        navigator = make_navigator(find_profile(request.profile), agent, hybrid_map, node, arrival)
-        trip.drive(navigator, hybrid_map.find(request.to), truth)
+    start = start_of_trip(request, hybrid_map, truth)
+    stage = _staged(recording, world, request)
+    world.robot.watch(stage.agent)
+    trip = Trip(stage, hybrid_map, hybrid_map.find(request.to))
+    limit = math.inf if request.max_time is None else request.max_time
+    trip.drive(start.node, start.arrival, poses_of(truth), limit)
 
 
-def _common(asked: dict[str, Any], kind: type[Any]) -> dict[str, Any]:
-    """The recorded request's values that `kind` has, with paths as such."""
+def _common(recording: Recording, kind: type[Any]) -> dict[str, Any]:
+    """The recorded request's values that `kind` has, with paths as such; nothing is recorded again."""
+    asked = recording.header["request"]
     values = {name: value for name, value in asked.items() if name in kind.__dataclass_fields__}
     values["plugins"] = tuple(Path(item) for item in asked.get("plugins", ()))
-    values["config"] = None
-    return values | ({"record": None} if "record" in values else {})
+    return values | {"config": None, "record": None}
 
 
 _REPLAYS = {"map": _replay_mapping, "go": _replay_trip, "mission": _replay_mission}

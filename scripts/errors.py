@@ -1,15 +1,19 @@
-"""Errors of the command line: what they look like, and the exit status each stands for.
+"""Errors of the scripts: what they look like, and the exit status each stands for.
 
 Standard library alone: loaded before the number of threads is fixed.
 """
 
 from __future__ import annotations
 
-from ...files.messages import did_you_mean as did_you_mean
+from ..files.messages import did_you_mean as did_you_mean
 
 
 class UsageError(ValueError):
     """A command line, or a file it names, that cannot be used; one line."""
+
+
+class SessionError(ValueError):
+    """A request that cannot be met: the wrong world for a map, a map that cannot be resumed."""
 
 
 def describe(error: BaseException) -> str:

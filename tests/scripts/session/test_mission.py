@@ -8,16 +8,18 @@ from typing import cast
 import pytest
 from tolman.agent.errors import MissionError
 from tolman.agent.missions.dry_run import dry_run
-from tolman.agent.missions.journal import Journal
 from tolman.agent.missions.mission import Mission
 from tolman.agent.recording.explain import timeline
 from tolman.agent.recording.reader import read_recording
 from tolman.agent.recording.replay import ReplayEnded, ReplayWorld
 from tolman.maps.hybrid_map import HybridMap
 from tolman.maps.storage.map_file import read_truth
-from tolman.scripts.session.mission_requests import MissionReport, MissionRequest
-from tolman.scripts.session.mission_session import MissionSession, run_mission
-from tolman.scripts.session.replay_run import replay
+from tolman.scripts.session.mission import MissionJob, MissionReport
+from tolman.scripts.session.replay import replay
+from tolman.scripts.session.requests import MissionRequest
+from tolman.scripts.session.simulation import run_mission
+from tolman.scripts.session.site import sites_of
+from tolman.scripts.session.stage import Stage
 from tolman.world import World
 from tolman.world.robot import Pose
 
@@ -181,11 +183,12 @@ def test_a_difference_is_found_on_any_of_the_robots(tmp_path: Path) -> None:
     recording.others[0][9].driver = "somebody"
     world = ReplayWorld(recording)
     asked = MissionRequest(mission=path, engine="kinematic", noise="encoder", global_only=True)
-    session = MissionSession(asked, cast(World, world), {})
-    for robot, site in zip(world.robots, session.sites, strict=True):
-        robot.watch(site.agent)
+    stage = Stage(cast(World, world), asked, {})
+    job = MissionJob(stage, sites_of(stage, asked), Mission.load(path))
+    for robot, agent in zip(world.robots, stage.agents, strict=True):
+        robot.watch(agent)
     with pytest.raises(ReplayEnded):
-        session.run(Mission.load(path), Journal(), lambda progress: None)
+        job.drive()
     assert world.difference is not None
     assert (world.difference.tick, world.difference.recorded) == (9, "somebody")
 

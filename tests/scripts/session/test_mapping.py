@@ -13,8 +13,9 @@ import pytest
 from tolman.maps.errors import MapFileError
 from tolman.maps.hybrid_map import HybridMap
 from tolman.maps.storage.map_file import read_truth
-from tolman.scripts.session import map_world
-from tolman.scripts.session.requests import MapReport, MapRequest, Progress, SessionError
+from tolman.scripts.session.mapping import MapReport
+from tolman.scripts.session.requests import MapRequest, Progress, SessionError
+from tolman.scripts.session.simulation import map_world
 from tolman.world.robot import Pose
 
 ENV1_LOOP = 4.61
@@ -135,7 +136,8 @@ def test_an_existing_file_is_neither_overwritten_nor_harmed(tmp_path: Path) -> N
 KILLED = """
 import os, sys
 from pathlib import Path
-from tolman.scripts.session import MapRequest, map_world
+from tolman.scripts.session.requests import MapRequest
+from tolman.scripts.session.simulation import map_world
 
 def die(progress):
     if progress.nodes == int(sys.argv[2]):

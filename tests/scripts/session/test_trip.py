@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 from tolman.maps.errors import UnknownNodeError
-from tolman.scripts.session import go_to, map_world
-from tolman.scripts.session.requests import GoReport, GoRequest, MapRequest, Progress, SessionError
+from tolman.scripts.session.requests import GoRequest, MapRequest, Progress, SessionError
+from tolman.scripts.session.simulation import go_to, map_world
+from tolman.scripts.session.trip import GoReport
 
 
 @pytest.fixture(scope="module", params=["right", "left"])
