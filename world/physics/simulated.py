@@ -74,11 +74,6 @@ class SimulatedWorld(ABC):
         """Simulated seconds since the start."""
         return self._tick * CONTROL_PERIOD
 
-    @property
-    def tick(self) -> int:
-        """Control ticks since the start."""
-        return self._tick
-
     def step(self) -> None:
         """See `base.World.step`."""
         if not self._open:
@@ -97,10 +92,6 @@ class SimulatedWorld(ABC):
     def true_pose(self, robot: int = 0) -> Pose:
         """See `base.World.true_pose`."""
         return self.surroundings.robots[robot]
-
-    def movable_pose(self, index: int) -> Pose:
-        """Where a movable box really is: its center and heading (m, rad)."""
-        return self.surroundings.boxes[index]
 
     def collisions(self, robot: int = 0) -> int:
         """See `base.World.collisions`."""

@@ -106,11 +106,3 @@ def test_a_wrong_noise_is_explained(noise: Any, problem: str) -> None:
 def test_a_wrong_noise_scale_is_explained(scale: float) -> None:
     with pytest.raises(WorldError, match="noise scale"):
         open_world("env1", engine="kinematic", noise_scale=scale)
-
-
-@pytest.mark.parametrize(
-    "options", [{"model": "legs"}, {"engine": "ode"}, {"rays": "gpu"}, {"start": "middle"}, {"seed": -1}]
-)
-def test_a_wrong_option_is_explained(options: dict[str, Any]) -> None:
-    with pytest.raises(WorldError):
-        open_world("env1", **{"engine": "kinematic", **options})

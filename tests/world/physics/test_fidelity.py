@@ -121,7 +121,7 @@ def test_a_light_box_is_pushed_along(model: str) -> None:
     )
     world = opened(spec, model, Pose(1.0, 1.0, 0.0))
     run(world, 400, 400, 100)
-    assert world.movable_pose(0).x > 1.2
+    assert world.surroundings.boxes[0].x > 1.2
     assert max(world.robots[0].sense().infrared) > 1000
 
 
