@@ -127,6 +127,14 @@ class IslandMapper(Listener):
             self._drive.release()
             self._end(reason, "stopped")
 
+    def close(self) -> None:
+        """Hears no more, nor do those that it owns."""
+        super().close()
+        self.mapper.close()
+        self._drive.close()
+        if self._navigator is not None:
+            self._navigator.close()
+
     def state(self) -> dict[str, Any]:
         """What a resumed mapping needs, as JSON; to be taken when the sink is called."""
         mapping = self._doing in (Doing.BOUNDARY, Doing.ISLAND)

@@ -12,25 +12,24 @@ from dataclasses import asdict, dataclass, field, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
-from ...maps.sides import other_side
 from ...world.robot import wrap_angle
 from ..boundary.loop_closing import CornerObservation, Finding, LoopDetector
 from ..boundary.trace import BEND, BoundaryTrace, ClosingConfig
 from ..estimation.wall_segments import WallSegmentMeter
-from ..estimation.wheel_calibration import SETTLED, MismatchEstimate
 from ..events import BehaviorFinished, CornerReached, LoopClosed, WallMet
-from ..goals import START_AT, ExploreLocally, Follow, FollowFrom, GoAlong, Leg, ReacquireCorner
+from ..goals import START_AT, ExploreLocally, Follow, FollowFrom, ReacquireCorner
 from ..walls import WALL_DISTANCE, away_from, walls_at
 from .base import BaseMapper, MapSink, NodeSettings
+from .probing import LEAST_PROBE, WallProbe
 
 if TYPE_CHECKING:
     from ...maps.hybrid_map import HybridMap
     from ..agent import Agent
+    from ..estimation.wheel_calibration import MismatchEstimate
+    from ..listener import Outcome
 
 _NAMED = {"concave": "concave", "convex": "convex", BEND: "none"}
 """What the map calls a node's corner."""
-_LEAST_PROBE, _MOST_PROBE = 0.25, 0.6
-"""Meters of a wall that are driven twice to tell what is the wall's bending and what the wheels'."""
 _ROUNDS_OF_BENDS = 1.8
 """Rounds after which a boundary without a corner is given up."""
 
@@ -93,7 +92,7 @@ class Mapper(BaseMapper):
         self.heading = 0.0
         self._keeps_out = keeps_out
         self._corner: CornerReached | None = None
-        self._probed: CornerReached | None = None
+        self._probe = WallProbe(agent, config.side, self.meter, self._on_probed)
         self.listen(CornerReached, self._on_corner)
         self.listen(WallMet, self._on_wall)
         self.listen(BehaviorFinished, self._on_finished)
@@ -129,6 +128,16 @@ class Mapper(BaseMapper):
     def index(self, node: int) -> int:
         """Which corner of the trace a node is. Raises: KeyError for a node that is not of this boundary."""
         return {known: index for index, known in self.loop.node_of.items()}[node]
+
+    def stop(self, reason: str = "cancelled") -> None:
+        """Ends it where it is."""
+        super().stop(reason)
+        self._probe.stop()
+
+    def close(self) -> None:
+        """Hears no more."""
+        super().close()
+        self._probe.close()
 
     # --- state -----
 
@@ -167,8 +176,10 @@ class Mapper(BaseMapper):
     def _on_corner(self, event: CornerReached) -> None:
         if not self.listening or self._keeps_out(event):
             return
-        if event.kind == BEND and self.meter.unsure and event.path_length >= _LEAST_PROBE:
-            self._probe(event)
+        if event.kind == BEND and self.meter.unsure and event.path_length >= LEAST_PROBE:
+            self.agent.stop("wall-following")
+            self.phase = Phase.PROBE
+            self._probe.probe(event)
         else:
             self._judge(event)
 
@@ -220,8 +231,6 @@ class Mapper(BaseMapper):
             if isinstance(event.result, CornerReached):
                 self._corner = event.result
             self._commit()
-        elif event.behavior == "go-to-node" and self.phase is Phase.PROBE:
-            self._probed_wall(event.succeeded)
 
     # --- steps ---------------------------------------------------------------------------------------
 
@@ -234,29 +243,14 @@ class Mapper(BaseMapper):
         if previous >= 0:
             self._join(previous, self.current, event.path_length, _variance(event.path_length))
 
-    def _probe(self, event: CornerReached) -> None:
-        """Drives back along the wall and here again: its bending is undone, what the wheels do is doubled."""
-        self.agent.stop("wall-following")
-        self.phase, self._probed = Phase.PROBE, event
-        length = min(event.path_length - SETTLED, _MOST_PROBE)
-        there = Leg(-1, -1, other_side(self.config.side), length, "none", math.pi, FollowFrom.WALL)
-        back = Leg(-1, -1, self.config.side, length, "none", math.pi, FollowFrom.WALL)
-        self.agent.start("go-to-node", GoAlong((there, back)))
-
-    def _probed_wall(self, succeeded: bool) -> None:
+    def _on_probed(self, outcome: Outcome) -> None:
         """Judges the bend again, now that the wheels are known."""
-        event, self._probed = self._probed, None
-        assert event is not None
-        if not succeeded:
-            self._end(
-                False, "no corner tells where this boundary begins, and its wall could not be driven twice"
-            )
+        if not outcome.succeeded:
+            reason = "no corner tells where this boundary begins, and its wall could not be driven twice"
+            self._end(False, reason)
             return
-        length = min(event.path_length - SETTLED, _MOST_PROBE)
-        turned = wrap_angle(self.agent.odometry.heading - event.heading)
-        self.meter.calibrate(turned, 2.0 * length, event.path_length)
         self.phase = Phase.FOLLOW
-        self._judge(replace(event, heading=wrap_angle(self.agent.odometry.heading)))
+        self._judge(replace(outcome.result, heading=wrap_angle(self.agent.odometry.heading)))
         if self.listening and not self.agent.is_active("wall-following"):
             self.meter.leave()
             self.agent.start("wall-following", Follow(self.config.side, FollowFrom.WALL))

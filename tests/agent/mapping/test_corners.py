@@ -3,13 +3,11 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Sequence
-from enum import Enum
 from typing import Any
 
 import numpy as np
 import pytest
 from tolman.agent import Agent
-from tolman.agent.behavior import Behavior, Context, Proposal
 from tolman.agent.events import (
     ArcAdded,
     BehaviorFinished,
@@ -27,27 +25,12 @@ from tolman.agent.mapping.corners import Mapper, MappingConfig
 from tolman.maps.hybrid_map import HybridMap
 from tolman.maps.local.local_map import LocalMap
 from tolman.plugins.testing import ScriptedRobot, event_of
-from tolman.world.robot import Percept, wrap_angle
+from tolman.world.robot import wrap_angle
+
+from ..puppets import Puppet
 
 QUARTER = 0.5 * math.pi
 SQUARE = [("concave", 1.0, QUARTER)] * 4
-
-
-class Idle(Enum):
-    IDLE = "idle"
-
-
-class Puppet(Behavior):
-    """Proposes nothing; keeps the goals it was given."""
-
-    States, initial = Idle, Idle.IDLE
-    goals: list[Any]
-
-    def on_start(self, goal: Any, context: Context) -> None:
-        self.goals = [*getattr(self, "goals", []), goal]
-
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
-        return None
 
 
 class WallPuppet(Puppet):

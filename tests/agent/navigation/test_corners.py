@@ -1,36 +1,18 @@
 from __future__ import annotations
 
-from enum import Enum
 from typing import Any
 
 import pytest
 from tolman.agent import Agent
-from tolman.agent.behavior import Behavior, Context, Proposal
 from tolman.agent.events import BehaviorFinished, Event, Lost, NodeReached
 from tolman.agent.goals import GoAlong, LegDriven, PlacesDriven
 from tolman.agent.navigation.corners import Navigator
 from tolman.maps.hybrid_map import HybridMap
 from tolman.plugins.testing import ScriptedRobot, event_of
-from tolman.world.robot import Percept, Pose
+from tolman.world.robot import Pose
 
+from ..puppets import Puppet
 from .rings import QUARTER, SQUARE, ring
-
-
-class Idle(Enum):
-    IDLE = "idle"
-
-
-class Puppet(Behavior):
-    """Proposes nothing; keeps the goals it was given."""
-
-    States, initial = Idle, Idle.IDLE
-    goals: list[Any]
-
-    def on_start(self, goal: Any, context: Context) -> None:
-        self.goals = [*getattr(self, "goals", []), goal]
-
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
-        return None
 
 
 class GoPuppet(Puppet):
