@@ -8,6 +8,7 @@ one pass.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -52,8 +53,7 @@ class OnlineConfig:
             )
         if not 0.0 < self.rate <= 1.0 or not 0.0 < self.rate_end <= 1.0 or not 0.0 <= self.rate_after <= 1.0:
             raise MapError("learning rates must lie in (0, 1]")
-        if self.radius < 0.0 or self.radius_end <= 0.0:
-            raise MapError("the neighborhood's radius must be positive")
+        _check_radii(self.radius or 1.0, self.radius_end)  # 0: the winner alone moves
 
     def rates(self) -> Floats:
         """(max_steps,) the learning rate at each step (table 4.9; eq. 3.23)."""
@@ -103,8 +103,7 @@ class BatchConfig:
             raise MapError(
                 f"{self.passes} passes of at most {self.max_passes}: at least 1, and no more than the cap"
             )
-        if self.radius <= 0.0 or self.radius_end <= 0.0:
-            raise MapError("the neighborhood's radius must be positive")
+        _check_radii(self.radius, self.radius_end)
         if not 1 <= self.starts <= 4:
             raise MapError(f"{self.starts} starts: from 1 to 4")
 
@@ -113,6 +112,11 @@ class BatchConfig:
         if self.passes == 1:
             return np.array([self.radius_end])
         return np.geomspace(self.radius, self.radius_end, self.passes)
+
+
+def _check_radii(*radii: float) -> None:
+    if not all(0.0 < radius < math.inf for radius in radii):
+        raise MapError("the neighborhood's radius must be positive and finite")
 
 
 Config = OnlineConfig | BatchConfig

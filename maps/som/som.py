@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,9 @@ from .sample_space import SampleSpace
 from .schedules import BATCH, Config, OnlineConfig
 
 Method = Literal["best", "nearest", "radial"]
+
+LARGEST = 1e150
+"""Values beyond have no squares."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +52,16 @@ class SOM:
         self._weights: NDArray[np.floating] | None = None
         if weights is not None:
             self._weights = self._checked_weights(weights)
+
+    def __repr__(self) -> str:
+        """Its shape and what it holds: `SOM(5 x 5, hexagonal, 2 dimensions)`."""
+        told = "untrained" if self._weights is None else f"{self._weights.shape[1]} dimensions"
+        return f"SOM({self.rows} x {self.cols}, {self.topology}, {told})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled by lattice and weights, so that whoever unpickles it checks them."""
+        shape = self.rows, self.cols, self.topology, self._weights
+        return type(self), shape, {"training": self.training}
 
     @classmethod
     def train(
@@ -170,6 +183,8 @@ class SOM:
         order, distances = self.nearest(sample, self.units)
         has = np.isin(order, tied)
         order, distances = order[has], distances[has]
+        if k < 1 or not (width is None or 0.0 < width < np.inf):
+            raise MapError(f"k = {k}, width = {width}: k from 1, and a width that is positive and finite")
         if method == "best":
             return np.asarray(table[order[0]])
         if method == "nearest":
@@ -218,11 +233,15 @@ class SOM:
         return np.argsort(self.transform(samples), axis=1, kind="stable")[:, :2]
 
     def _checked_samples(self, samples: ArrayLike, like_weights: bool = False) -> Floats:
-        data = np.asarray(samples, dtype=np.float64)
+        if np.ma.isMaskedArray(samples):
+            raise MapError("samples are a masked array: leave out what is masked, or fill it in")
+        data = np.ascontiguousarray(samples, dtype=np.float64)  # the same bits in any order of memory
         if data.ndim != 2 or 0 in data.shape:
             raise MapError(f"samples of shape {data.shape}: expected (n, dims) with at least one of each")
-        if not np.isfinite(data).all():
-            raise MapError("samples hold values that are not finite")
+        if not (np.abs(data) < LARGEST).all():
+            raise MapError(
+                f"samples hold values that are not finite, or not below {LARGEST:g}: scale them first"
+            )
         if like_weights and data.shape[1] != self.weights.shape[1]:
             raise MapError(f"samples of {data.shape[1]} dimensions for a SOM of {self.weights.shape[1]}")
         return data
