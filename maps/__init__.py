@@ -12,9 +12,10 @@ from .errors import (
     NotTrainedError,
     UnknownNodeError,
 )
+from .fields import Arc
 from .formats.exporting import export
 from .formats.json_map import read_json
-from .hybrid_map import Arc, HybridMap
+from .hybrid_map import HybridMap
 from .local.local_map import LocalEstimate, LocalMap
 from .local.training import LocalMapConfig
 from .matching.comparing import Comparison, compare
@@ -24,6 +25,7 @@ from .som.schedules import BatchConfig, OnlineConfig
 from .som.som import SOM
 from .storage.map_file import MapFile, Truth, read_truth
 from .storage.migration import migrate
+from .storage.sealed import SealedFiles as SealedFiles  # what HybridMap.load and save go by
 from .storage.validation import Validation, recover, validate
 
 __all__ = [

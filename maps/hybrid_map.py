@@ -2,94 +2,80 @@
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Unpack
 
 import networkx as nx
 
 from .errors import MapError, NoPathError, UnknownNodeError, some
-from .local.local_map import LocalMap
+from .fields import ARC, NODE, Arc, NodeValues, Record
 from .meta import MapMeta
 from .planning import shortest_path
 from .sides import other_side
-from .storage.store import CORNERS, KINDS, read_file, write_file
+
+if TYPE_CHECKING:
+    from .local.local_map import LocalMap
+
+__all__ = ["Arc", "HybridMap", "Storage"]
 
 _NUMBERED = re.compile(r"n?\d+")
 
-Side = Literal["right", "left"]
-Kind = Literal["right", "left", "foray"]
-Corner = Literal["concave", "convex", "none"]
 
+class Storage(Protocol):
+    """Reads and writes whole maps. `maps.storage` lies above the graph, so it is told here which one does."""
 
-@dataclass(frozen=True, slots=True)
-class Arc:
-    """A way from one node to another: the side to follow, and for how far.
+    def write(self, path: str | Path, meta: MapMeta, graph: nx.MultiDiGraph[int], force: bool) -> None:
+        """Writes a file. Raises: MapFileExistsError without force, MapFileError, MapError."""
 
-    kind: the arc's key in the graph. distance: mean path length, m. variance: of one traversal, m^2.
-    traversals: how often it was driven. notes: free JSON, e.g. the heading of a foray.
-    """
-
-    start: int
-    end: int
-    kind: str
-    side: str
-    distance: float
-    variance: float
-    traversals: int = 1
-    blocked: bool = False
-    notes: Mapping[str, Any] = field(default_factory=dict)
+    def read(self, path: str | Path) -> tuple[MapMeta, nx.MultiDiGraph[int]]:
+        """Meta and graph of a file. Raises: MapFileError."""
+        ...
 
 
 class HybridMap:
     """Owns `graph`, a networkx MultiDiGraph; arcs are keyed by kind: `right`, `left` or `foray`.
 
-    Node attributes: local_map (LocalMap or None), corner (`concave`, `convex`, `none`), turn (rad, signed
-    turn of the boundary path there when driven in the mapping direction), entry_heading (rad, map frame),
-    name, notes (free JSON). Arc attributes: side, distance (m), variance (m^2), traversals, blocked, notes.
-    networkx algorithms may be run on the graph as it is; to change it, use the methods here.
+    Node attributes: local_map (LocalMap or None) and those of `NodeValues`: name, corner (`concave`,
+    `convex`, `none`), turn (rad), entry_heading (rad, map frame), notes (free JSON). Arc attributes: those of
+    `Arc` that are no key. networkx algorithms may be run on the graph as it is; to change it, use the methods
+    here.
     """
+
+    storage: ClassVar[Storage]
 
     def __init__(self, meta: MapMeta | None = None) -> None:
         """An empty map."""
         self.meta = meta if meta is not None else MapMeta()
         self.graph: nx.MultiDiGraph[int] = nx.MultiDiGraph()
 
+    def __repr__(self) -> str:
+        """What there is in it: `HybridMap('env1', 10 nodes, 20 arcs, 10 local maps, closed)`."""
+        maps = sum(data.get("local_map") is not None for _, data in self.graph.nodes(data=True))
+        counts = [_count(len(self.graph), "node"), _count(self.graph.number_of_edges(), "arc")]
+        told = [repr(self.meta.world), *counts, _count(maps, "local map")]
+        return f"HybridMap({', '.join(told)}, {'closed' if self.meta.loop_closed else 'open'})"
+
     # -- building
 
     def add_node(
         self,
         *,
-        corner: str = "none",
-        turn: float = 0.0,
-        entry_heading: float = 0.0,
-        local_map: LocalMap | None = None,
-        name: str | None = None,
-        notes: Mapping[str, Any] | None = None,
         node: int | None = None,
+        local_map: LocalMap | None = None,
+        **values: Unpack[NodeValues],
     ) -> int:
         """Adds a node and returns its number, the next free one unless given. Raises: MapError."""
         number = node if node is not None else max(self.graph, default=-1) + 1
-        if number in self.graph or number < 0:
-            raise MapError(f"node {number}: numbers are unique and not negative")
-        if corner not in CORNERS:
-            raise MapError(f"node {number}: unknown corner {corner!r}; known: {', '.join(CORNERS)}")
-        _finite(f"node {number}", turn=turn, entry_heading=entry_heading)
-        label = f"n{number}" if name is None else name
+        name = values.get("name")
+        clean = _clean(NODE, (number,), {**values, "name": f"n{number}" if name is None else name})
+        if number in self.graph:
+            raise MapError(f"node {number} exists already")
         if name is not None:
             self._check_name(name, number)
-        self.graph.add_node(
-            number,
-            local_map=local_map,
-            corner=corner,
-            turn=float(turn),
-            entry_heading=float(entry_heading),
-            name=label,
-            notes=dict(notes or {}),
-        )
+        self.graph.add_node(number, local_map=local_map, **clean)
         return number
 
     def add_arc(
@@ -102,50 +88,40 @@ class HybridMap:
         both_ways: bool = True,
         *,
         kind: str | None = None,
-        traversals: int = 1,
-        blocked: bool = False,
-        notes: Mapping[str, Any] | None = None,
+        **values: Any,
     ) -> Arc:
         """Adds the way from start to end and, both ways, the one back: other side, same length.
 
+        values: further fields of `Arc`: traversals, blocked, notes.
         Raises: UnknownNodeError; MapError for a bad value or an arc that exists.
         """
         key = side if kind is None else kind
-        self._check_arc(start, end, key, side, distance, variance, traversals)
-        ways = [(start, end, key, side)]
+        values = {**values, "distance": distance, "variance": variance}
+        ways = {(start, end, key): side}
         if both_ways:
             back = other_side(side)
-            ways.append((end, start, back if key == side else key, back))
-        for a, b, arc_key, _ in dict.fromkeys(ways):
-            if self.graph.has_edge(a, b, arc_key):
-                raise MapError(f"arc {a} -> {b} ({arc_key}) exists already")
-        for a, b, arc_key, arc_side in ways:
-            self.graph.add_edge(
-                a,
-                b,
-                key=arc_key,
-                side=arc_side,
-                distance=float(distance),
-                variance=float(variance),
-                traversals=int(traversals),
-                blocked=bool(blocked),
-                notes=dict(notes or {}),
-            )
+            ways[end, start, back if key == side else key] = back
+        clean = {way: self._check_arc(way, {**values, "side": wall}) for way, wall in ways.items()}
+        for (a, b, arc_key), kept in clean.items():
+            self.graph.add_edge(a, b, key=arc_key, **kept)
         return self.arc(start, end, key)
 
+    def put_arc(self, arc: Arc) -> None:
+        """Adds an arc, or replaces the one of its kind. Raises: UnknownNodeError, MapError."""
+        key = arc.start, arc.end, arc.kind
+        self.graph.add_edge(*key[:2], key=arc.kind, **self._check_arc(key, arc.values(), new=False))
+
     def _check_arc(
-        self, start: int, end: int, kind: str, side: str, distance: float, variance: float, traversals: int
-    ) -> None:
-        self._known(start)
-        self._known(end)
-        where = f"arc {start} -> {end} ({kind})"
-        if side not in ("right", "left"):
-            raise MapError(f"{where}: unknown side {side!r}; known: right, left")
-        if kind not in KINDS or (kind != side and kind != "foray"):
-            raise MapError(f"{where}: the kind is the side or foray, not {kind!r}")
-        _finite(where, distance=distance, variance=variance)
-        if distance < 0.0 or variance < 0.0 or traversals < 0:
-            raise MapError(f"{where}: distance, variance and traversals cannot be negative")
+        self, key: tuple[int, int, str], values: dict[str, Any], new: bool = True
+    ) -> dict[str, Any]:
+        clean = _clean(ARC, key, values)
+        self._known(key[0])
+        self._known(key[1])
+        if key[2] not in (clean["side"], "foray"):
+            raise MapError(f"{ARC.label(key)}: the kind is the side or foray, not {key[2]!r}")
+        if new and self.graph.has_edge(*key):
+            raise MapError(f"{ARC.label(key)} exists already")
+        return clean
 
     # -- asking
 
@@ -227,9 +203,7 @@ class HybridMap:
         same wall, so it learns too unless both_ways is False. Raises: UnknownNodeError, MapError.
         """
         arc = self.arc(start, end, kind)
-        _finite(f"arc {start} -> {end} ({kind})", distance=distance)
-        if distance < 0.0:
-            raise MapError(f"arc {start} -> {end} ({kind}): a traversal of {distance} m")
+        _clean(ARC, (start, end, kind), {**arc.values(), "distance": distance})
         ways = [(start, end, kind)]
         back = (end, start, kind if kind == "foray" else other_side(kind))
         if both_ways and back != ways[0] and self.graph.has_edge(*back):
@@ -246,7 +220,7 @@ class HybridMap:
     def block(self, start: int, end: int, kind: str, blocked: bool = True) -> None:
         """Marks an arc as blocked, or as free again. Raises: UnknownNodeError."""
         self.arc(start, end, kind)
-        self.graph.edges[start, end, kind]["blocked"] = blocked
+        self.graph.edges[start, end, kind]["blocked"] = bool(blocked)
 
     def rename(self, node: int, name: str) -> None:
         """Gives a node another name, unique in the map. Raises: UnknownNodeError, MapError."""
@@ -283,14 +257,14 @@ class HybridMap:
     # -- storage
 
     def save(self, path: str | Path, force: bool = False) -> None:
-        """Writes one sealed map file. Raises: MapFileExistsError without force, MapFileError."""
-        write_file(path, self.meta, self.graph, force=force)
+        """Writes one sealed map file. Raises: MapFileExistsError without force, MapFileError, MapError."""
+        self.storage.write(path, self.meta, self.graph, force)
 
     @classmethod
     def load(cls, path: str | Path) -> HybridMap:
         """Reads a map file; local maps are read on first use. Raises: MapFileError."""
         found = cls()
-        found.meta, found.graph = read_file(path)
+        found.meta, found.graph = cls.storage.read(path)
         return found
 
     def _known(self, node: int) -> None:
@@ -298,16 +272,20 @@ class HybridMap:
             raise UnknownNodeError(f"no node {node} in this map; known: {some(self.nodes())}")
 
     def _check_name(self, name: str, node: int) -> None:
+        _clean(NODE, (node,), {"name": name})
         if _NUMBERED.fullmatch(name) and name != f"n{node}":
             raise MapError(f"node {node} cannot be named {name!r}: that means another node's number")
-        if not name or len(name) > 200 or not name.isprintable():
-            raise MapError(f"a node's name must be 1 to 200 printable characters, not {name[:40]!r}")
         for other, data in self.graph.nodes(data=True):
             if other != node and data["name"] == name:
                 raise MapError(f"the name {name!r} is taken by node {other}")
 
 
-def _finite(where: str, **values: float) -> None:
-    for name, value in values.items():
-        if not math.isfinite(value):
-            raise MapError(f"{where}: {name} = {value} is not a finite number")
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"
+
+
+def _clean(record: Record, key: tuple[Any, ...], values: dict[str, Any]) -> dict[str, Any]:
+    try:
+        return record.clean(key, values)
+    except ValueError as error:
+        raise MapError(str(error)) from None

@@ -5,21 +5,25 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
+from ...files.writing import check_target, write_bytes
 from ...world.robot import EPUCK
 from ..boundary.layout import layout
-from ..errors import MapError, MapFileExistsError
-from ..hybrid_map import HybridMap
-from ..storage.writer import file_errors, sibling
+from ..errors import MapError
+from ..fields import ARC, NODE, Record, Scalar
+from ..storage.writer import file_errors
 from .json_map import to_json
+
+if TYPE_CHECKING:
+    from ..hybrid_map import HybridMap
 
 RESOLUTION = 0.01
 """Meters a cell of the ROS map."""
@@ -38,16 +42,11 @@ def export(hybrid: HybridMap, form: str, path: str | os.PathLike[str], force: bo
         raise MapError(f"unknown export format {form!r}; known: {', '.join(sorted(FORMS))}")
     files = FORMS[form](hybrid, Path(path))
     for target in files:
-        if target.exists() and not force:
-            raise MapFileExistsError(f"{target} exists already; force overwrites it")
+        with file_errors(target, "write"):
+            check_target(target, replace=force)
     for target, data in files.items():
         with file_errors(target, "write"):
-            part = sibling(target, ".part")
-            try:
-                part.write_bytes(data)
-                os.replace(part, target)
-            finally:
-                part.unlink(missing_ok=True)
+            write_bytes(target, data, replace=force)
     return list(files)
 
 
@@ -61,25 +60,23 @@ def _graphml(hybrid: HybridMap, path: Path) -> dict[Path, bytes]:
     places = layout(hybrid)
     for node in hybrid.nodes():
         data = hybrid.graph.nodes[node]
-        plain = {key: data[key] for key in ("name", "corner", "turn", "entry_heading")}
         x, y = places[node]
-        notes = json.dumps(data["notes"], sort_keys=True)
-        graph.add_node(node, **plain, x=x, y=y, notes=notes, has_local_map=data["local_map"] is not None)
+        graph.add_node(node, **_scalars(NODE, data), x=x, y=y, has_local_map=data["local_map"] is not None)
     for arc in hybrid.arcs():
-        graph.add_edge(
-            arc.start,
-            arc.end,
-            key=arc.kind,
-            side=arc.side,
-            distance=arc.distance,
-            variance=arc.variance,
-            traversals=arc.traversals,
-            blocked=arc.blocked,
-            notes=json.dumps(dict(arc.notes), sort_keys=True),
-        )
+        graph.add_edge(arc.start, arc.end, key=arc.kind, **_scalars(ARC, arc.values()))
     out = BytesIO()
     nx.write_graphml_xml(graph, out)
     return {path: out.getvalue()}
+
+
+def _scalars(record: Record, values: Mapping[str, Any]) -> dict[str, Scalar]:
+    """All fields; None, which GraphML does not know, is left out."""
+    told = {name: each.scalar(values[name]) for name, each in record.by_name.items()}
+    return {name: value for name, value in told.items() if value is not None}
+
+
+def _for_routes(record: Record, values: Mapping[str, Any]) -> dict[str, Any]:
+    return {each.name: values[each.name] for each in (*record.keys, *record.fields) if each.route}
 
 
 def _geojson(hybrid: HybridMap, path: Path) -> dict[Path, bytes]:
@@ -88,7 +85,7 @@ def _geojson(hybrid: HybridMap, path: Path) -> dict[Path, bytes]:
     features: list[dict[str, Any]] = []
     for node in hybrid.nodes():
         data = hybrid.graph.nodes[node]
-        about = {"id": node, "frame": "map", "metadata": {"name": data["name"], "corner": data["corner"]}}
+        about = {"id": node, "frame": "map", "metadata": _for_routes(NODE, data)}
         features.append(_feature(about, "Point", list(places[node])))
     first = max(hybrid.nodes(), default=-1) + 1
     for number, arc in enumerate((arc for arc in hybrid.arcs() if not arc.blocked), first):
@@ -98,7 +95,7 @@ def _geojson(hybrid: HybridMap, path: Path) -> dict[Path, bytes]:
             "endid": arc.end,
             "cost": arc.distance,
             "overridable": True,
-            "metadata": {"kind": arc.kind, "side": arc.side, "distance": arc.distance},
+            "metadata": _for_routes(ARC, {"kind": arc.kind, **arc.values()}),
         }
         line = [[list(places[arc.start]), list(places[arc.end])]]
         features.append(_feature(about, "MultiLineString", line))

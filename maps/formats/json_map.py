@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from ..errors import MapError
+from ..fields import ARC, NODE, Arc, Record
 from ..hybrid_map import HybridMap
 from ..local.content import LocalMapContent
 from ..local.local_map import LocalMap
-from ..meta import MapMeta
+from ..meta import META, MapMeta
 from ..som.lattice import frozen
 from ..som.som import SOM
 
@@ -30,17 +31,7 @@ def to_json(hybrid: HybridMap) -> dict[str, Any]:
         "meta": hybrid.meta.to_json(),
         "nodes": [_node(hybrid, node) for node in hybrid.nodes()],
         "arcs": [
-            {
-                "start": arc.start,
-                "end": arc.end,
-                "kind": arc.kind,
-                "side": arc.side,
-                "distance": arc.distance,
-                "variance": arc.variance,
-                "traversals": arc.traversals,
-                "blocked": arc.blocked,
-                "notes": dict(arc.notes),
-            }
+            {"start": arc.start, "end": arc.end, "kind": arc.kind, **arc.values(), "notes": dict(arc.notes)}
             for arc in hybrid.arcs()
         ],
     }
@@ -55,31 +46,12 @@ def from_json(value: Any) -> HybridMap:
     try:
         hybrid = HybridMap(MapMeta.from_json(value["meta"]))
         for entry in value["nodes"]:
-            local = entry["local_map"]
-            hybrid.add_node(
-                node=_integer(entry["id"]),
-                name=entry["name"],
-                corner=entry["corner"],
-                turn=_number(entry["turn"]),
-                entry_heading=_number(entry["entry_heading"]),
-                notes=entry["notes"],
-                local_map=None if local is None else LocalMap(_content(local)),
-            )
+            values = {**entry}
+            node, local = values.pop("id"), values.pop("local_map")
+            local_map = None if local is None else LocalMap(_content(local))
+            hybrid.add_node(node=_integer(node), local_map=local_map, **_complete(NODE, values))
         for entry in value["arcs"]:
-            if type(entry["blocked"]) is not bool:
-                raise MapError("an arc's blocked must be true or false")
-            hybrid.add_arc(
-                _integer(entry["start"]),
-                _integer(entry["end"]),
-                entry["side"],
-                _number(entry["distance"]),
-                _number(entry["variance"]),
-                both_ways=False,
-                kind=entry["kind"],
-                traversals=_integer(entry["traversals"]),
-                blocked=entry["blocked"],
-                notes=entry["notes"],
-            )
+            hybrid.put_arc(Arc(*(entry[each.name] for each in ARC.keys), **_complete(ARC, entry)))
     except MapError:
         raise
     except KeyError as error:
@@ -112,14 +84,20 @@ def _refuse(name: str) -> float:
     raise ValueError(f"{name} is not allowed")
 
 
+def _complete(record: Record, entry: dict[str, Any]) -> Any:
+    """The fields in an entry; those that version 1 of the JSON had must be there. Raises: KeyError."""
+    known = {each.name for each in record.keys}
+    values = {name: value for name, value in entry.items() if name not in known}
+    return {**{each.name: values[each.name] for each in record.fields if each.column}, **values}
+
+
 def _node(hybrid: HybridMap, node: int) -> dict[str, Any]:
-    data = hybrid.graph.nodes[node]
-    local: LocalMap | None = data["local_map"]
-    plain = {key: data[key] for key in ("name", "corner", "turn", "entry_heading")}
+    values = {name: hybrid.graph.nodes[node][name] for name in NODE.by_name}
+    local = hybrid.local_map(node)
     return {
+        **values,
         "id": node,
-        **plain,
-        "notes": dict(data["notes"]),
+        "notes": dict(values["notes"]),
         "local_map": None if local is None else _local(local.content),
     }
 
@@ -184,8 +162,7 @@ def _number(value: Any) -> float:
 
 def schema() -> dict[str, Any]:
     """The JSON Schema (draft 2020-12) of what `to_json` gives."""
-    number, integer, text = {"type": "number"}, {"type": "integer", "minimum": 0}, {"type": "string"}
-    notes = {"type": "object"}
+    number, integer = {"type": "number"}, {"type": "integer", "minimum": 0}
     som = _object(
         rows=integer,
         cols=integer,
@@ -206,46 +183,12 @@ def schema() -> dict[str, Any]:
         entry_panorama=_or_null(_array(_array(_array(number)))),
         locating={"enum": ["best", "nearest", "radial"]},
     )
-    node = _object(
-        id=integer,
-        name=text,
-        corner={"enum": ["concave", "convex", "none"]},
-        turn=number,
-        entry_heading=number,
-        notes=notes,
-        local_map=_or_null(local),
-    )
-    arc = _object(
-        start=integer,
-        end=integer,
-        kind={"enum": ["right", "left", "foray"]},
-        side={"enum": ["right", "left"]},
-        distance={**number, "minimum": 0},
-        variance={**number, "minimum": 0},
-        traversals=integer,
-        blocked={"type": "boolean"},
-        notes=notes,
-    )
-    meta = _object(
-        world=text,
-        world_digest=text,
-        profile=text,
-        side=text,
-        seed={"type": "integer"},
-        noise=text,
-        versions={"type": "object", "additionalProperties": text},
-        geometry=text,
-        loop_closed={"type": "boolean"},
-        current_node=_or_null(integer),
-        arrival=_or_null(text),
-        scalars={"type": "object", "additionalProperties": {"type": ["string", "number", "boolean", "null"]}},
-    )
     whole = _object(
         format={"const": JSON_FORMAT},
         version={"const": JSON_VERSION},
-        meta=meta,
-        nodes=_array(node),
-        arcs=_array(arc),
+        meta=_object(**META.schema()),
+        nodes=_array(_object(**NODE.schema(), local_map=_or_null(local))),
+        arcs=_array(_object(**ARC.schema())),
     )
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "tolman map", **whole}
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import hypot
-from typing import Self
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self
 
 import networkx as nx
 import numpy as np
@@ -14,9 +14,28 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import MapError, NoPathError, UnknownNodeError
 from ..planning import shortest_path
 from ..som.lattice import Floats, Ints, frozen
-from ..som.som import SOM, Method
 from .content import LocalMapContent
-from .training import DEFAULT, LocalMapConfig, train
+
+if TYPE_CHECKING:
+    from ..som.som import SOM, Method
+    from .training import LocalMapConfig
+
+
+class Trainer(Protocol):
+    """Trains the content of a local map. `training` lies above, so it is told here what does."""
+
+    def __call__(
+        self,
+        positions: ArrayLike,
+        panorama_positions: ArrayLike | None,
+        panoramas: ArrayLike | None,
+        config: LocalMapConfig | None,
+        rng: np.random.Generator | None,
+        entry_heading: float,
+        entry_panorama: ArrayLike | None,
+    ) -> LocalMapContent:
+        """See `LocalMap.build`."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,8 +62,11 @@ class LocalMap:
     view_error: distance up to which a view passes for one taken nearby. entry_panorama: (4, 16, 16) at the
     node.
 
-    A map read from a file loads its content on first use and may then raise MapFileDamagedError.
+    A map read from a file loads its content on first use and may then raise MapFileError. Until then it holds
+    nothing open; pickled it is whole.
     """
+
+    trainer: ClassVar[Trainer]
 
     def __init__(self, content: LocalMapContent | Callable[[], LocalMapContent]) -> None:
         """Wraps a content, or a function that will load it when first asked."""
@@ -58,7 +80,7 @@ class LocalMap:
         positions: ArrayLike,
         panorama_positions: ArrayLike | None = None,
         panoramas: ArrayLike | None = None,
-        config: LocalMapConfig = DEFAULT,
+        config: LocalMapConfig | None = None,
         rng: np.random.Generator | None = None,
         *,
         entry_heading: float = 0.0,
@@ -66,20 +88,33 @@ class LocalMap:
     ) -> Self:
         """Trains both SOMs on what local exploration sampled (section 3.4.3).
 
-        positions: (N, 2) m, local frame. panorama_positions: (K, 2) m; panoramas: (K, 4, 16, 16). The rng is
-        needed by the thesis's configurations alone. Raises: MapError.
+        positions: (N, 2) m, local frame. panorama_positions: (K, 2) m; panoramas: (K, 4, 16, 16). config:
+        None for that of profile `default`. The rng is needed by the thesis's configurations alone.
+
+        Raises: MapError.
         """
+        heading = float(entry_heading)
         return cls(
-            train(
-                positions,
-                panorama_positions,
-                panoramas,
-                config,
-                rng,
-                float(entry_heading),
-                entry_panorama,
-            )
+            cls.trainer(positions, panorama_positions, panoramas, config, rng, heading, entry_panorama)
         )
+
+    def __repr__(self) -> str:
+        """What there is in it; an unread one is not read for that."""
+        if self._content is None:
+            return "LocalMap(not read yet)"
+        views = "no views" if self.perceptual is None else f"{self.perceptual.units} views"
+        hit = int((self.hits > 0).sum())
+        return f"LocalMap({hit} of {self.metric.units} units hit, {len(self.edges)} edges, {views})"
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        """A copy with blocked edges of its own; the content, which never changes, is shared."""
+        twin = type(self)(self._content if self._load is None else self._load)  # type: ignore[arg-type]
+        twin._blocked = None if self._blocked is None else set(self._blocked)
+        return twin
+
+    def __reduce__(self) -> tuple[type[Self], tuple[LocalMapContent]]:
+        """Pickled whole: whoever gets it need not have the file."""
+        return type(self), (self.content,)
 
     @property
     def content(self) -> LocalMapContent:
@@ -88,9 +123,7 @@ class LocalMap:
             assert self._load is not None
             self._content, self._load = self._load(), None
         if self._blocked is not None:
-            known = self._content
-            values = {name: getattr(known, name) for name in known.__slots__}
-            self._content = LocalMapContent(**{**values, "blocked": frozenset(self._blocked)})
+            self._content = replace(self._content, blocked=frozenset(self._blocked))
             self._blocked = None
         return self._content
 

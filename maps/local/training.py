@@ -16,6 +16,7 @@ from ..som.online import squared_distances
 from ..som.schedules import BATCH, METRIC_1, METRIC_2, PERCEPTUAL_1, PERCEPTUAL_2, Config
 from ..som.som import SOM, Method
 from .content import LocalMapContent
+from .local_map import LocalMap
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,12 +64,13 @@ def train(
     positions: ArrayLike,
     panorama_positions: ArrayLike | None,
     panoramas: ArrayLike | None,
-    config: LocalMapConfig,
+    config: LocalMapConfig | None,
     rng: np.random.Generator | None,
     entry_heading: float,
     entry_panorama: ArrayLike | None,
 ) -> LocalMapContent:
     """What `LocalMap.build` wraps; see there. Raises: MapError."""
+    config = DEFAULT if config is None else config
     places = _places(positions, "positions")
     metric = SOM(config.rows, config.cols, config.topology)
     metric.fit(places / config.size + 0.5, config.metric, rng)
@@ -199,3 +201,6 @@ def tie_positions(
             weight = 0.5 if association == "midpoint" else 1.0 / count[unit]
             tied[unit] += weight * (place - tied[unit])
     return tied
+
+
+LocalMap.trainer = staticmethod(train)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import replace
 
 from ..boundary.layout import PLACE, is_point
-from ..hybrid_map import Arc, HybridMap
-from ..local.content import LocalMapContent
+from ..fields import Arc
+from ..hybrid_map import HybridMap
 from ..local.local_map import LocalMap
 from .comparing import Comparison, compare
 from .frames import Frames
@@ -33,7 +33,7 @@ def merge(one: HybridMap, other: HybridMap, comparison: Comparison | None = None
         data = one.graph.nodes[node]
         merged.graph.add_node(node, **{**data, "notes": dict(data["notes"])})
     for arc in one.arcs():
-        _put(merged, arc)
+        merged.put_arc(arc)
     number = {partner: node for node, partner in found.matched.items()}
     frames = Frames(one, other, found.matched, found.rotation)
     for partner, node in number.items():
@@ -49,17 +49,11 @@ def merge(one: HybridMap, other: HybridMap, comparison: Comparison | None = None
         if merged.graph.has_edge(moved.start, moved.end, moved.kind):
             if arc.kind == "foray":
                 continue  # another way across between the same nodes
-            _put(merged, _pooled(merged.arc(moved.start, moved.end, moved.kind), moved))
+            merged.put_arc(_pooled(merged.arc(moved.start, moved.end, moved.kind), moved))
         elif not _drives_through(merged, moved):
-            _put(merged, moved)
+            merged.put_arc(moved)
     _refine(merged)
     return merged
-
-
-def _put(merged: HybridMap, arc: Arc) -> None:
-    values = {field.name: getattr(arc, field.name) for field in fields(arc)}
-    start, end, kind = values.pop("start"), values.pop("end"), values.pop("kind")
-    merged.graph.add_edge(start, end, key=kind, **{**values, "notes": dict(arc.notes)})
 
 
 def _pooled(arc: Arc, other: Arc) -> Arc:
@@ -89,8 +83,7 @@ def _turned(other: HybridMap, partner: int, rotation: float) -> LocalMap | None:
     local = other.local_map(partner)
     if local is None:
         return None
-    content = {field.name: getattr(local.content, field.name) for field in fields(LocalMapContent)}
-    return LocalMap(LocalMapContent(**{**content, "entry_heading": local.entry_heading - rotation}))
+    return LocalMap(replace(local.content, entry_heading=local.entry_heading - rotation))
 
 
 def _add(
@@ -151,7 +144,7 @@ def _refine(merged: HybridMap) -> None:
                 notes={},
             )
             if rest.start != rest.end and not _drives_through(merged, rest):
-                _put(merged, rest)
+                merged.put_arc(rest)
                 waiting.append((rest.start, kind))
 
 

@@ -14,6 +14,11 @@ from ..errors import MapFileLockedError
 LOCK_SUFFIX = "-lock"
 
 
+def sibling(path: Path, ending: str) -> Path:
+    """The file beside `path` with that ending added to its name."""
+    return path.with_name(path.name + ending)
+
+
 class Lock:
     """A held lock. The file beside the map stays after a kill; the lock on it does not."""
 
@@ -25,9 +30,9 @@ class Lock:
     @classmethod
     def acquire(cls, target: Path) -> Self:
         """Locks the map file `target`. Raises: MapFileLockedError, OSError."""
-        path = target.with_name(target.name + LOCK_SUFFIX)
+        path = sibling(target, LOCK_SUFFIX)
         for _ in range(10):
-            descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+            descriptor = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o644)
             try:
                 _lock(descriptor)
                 if path.exists() and os.path.samestat(os.fstat(descriptor), path.stat()):

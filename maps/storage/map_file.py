@@ -6,29 +6,22 @@ import contextlib
 import os
 import sqlite3
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 from urllib.parse import quote
 
-from ..errors import MapError, MapFileDamagedError, MapFileError, MapFileExistsError
+from ...files.writing import atomic_path, check_target
+from ..errors import MapError, MapFileDamagedError, MapFileError
 from ..hybrid_map import HybridMap
 from ..meta import MapMeta
+from .graph import check_references, has_node, put_arc, put_meta, put_node, read_graph
 from .locking import Lock
-from .reader import check_all_digests, check_schema, check_version, damage, open_map, read_rows
-from .records import dump_json, parse_json, parse_object
-from .store import put_arc, put_meta, put_node, read_graph
-from .writer import (
-    RowWriter,
-    create_tables,
-    file_errors,
-    replace_file,
-    sibling,
-    sync_folder,
-    transaction,
-    write_copy,
-)
+from .reader import check_all_digests, check_schema, check_version, damage, read_rows, reading
+from .unpacking import StoredLocalMaps
+from .values import dump_json, parse_json, parse_object
+from .writer import RowWriter, draft, file_errors, remove_siblings, transaction, write_copy
 
 State = bytes | Mapping[str, Any] | None
 
@@ -64,28 +57,18 @@ class MapFile:
     @classmethod
     def create(cls, path: str | os.PathLike[str], meta: MapMeta | None = None, force: bool = False) -> Self:
         """Begins a new file. Raises: MapFileExistsError without force, MapFileLockedError, MapFileError."""
-        target = Path(path)
-        if not target.parent.is_dir():
-            raise MapFileError(f"{target}: the folder {target.parent} does not exist")
-        if target.exists() and not (force and target.is_file()):
-            raise MapFileExistsError(
-                f"{target} exists already; --force overwrites it, --resume goes on with it"
-            )
-        with file_errors(target, "create"):
+        target, about = Path(path), MapMeta() if meta is None else meta
+        with file_errors(target, "create", "--force overwrites it, --resume goes on with it"):
+            target = check_target(target, replace=force)
             lock = Lock.acquire(target)
             try:
-                _remove(target)
-                connection = _connect(target)
-                create_tables(connection)
-                with transaction(connection) as writer:
-                    put_meta(writer, meta or MapMeta())
-                _begin_wal(connection)
-                sync_folder(target)
+                with draft(target, force) as writer:
+                    put_meta(writer, replace(about, current_node=None, arrival=None))  # no node is there yet
+                file = cls(target, _connect(target), lock)
             except BaseException:
                 lock.release()
                 raise
-        file = cls(target, connection, lock)
-        file.map.meta = meta or MapMeta()
+        file.map.meta = about
         return file
 
     @classmethod
@@ -94,30 +77,36 @@ class MapFile:
 
         Raises: MapFileError, MapFileDamagedError, MapFileLockedError.
         """
-        target = Path(path)
+        target = Path(path).resolve() if Path(path).is_symlink() else Path(path)
         if not target.is_file():
             raise MapFileError(f"{target}: there is no such file to resume")
         with file_errors(target, "resume"):
             lock = Lock.acquire(target)
         try:
             with file_errors(target, "resume"), damage(target):
-                connection = _connect(target, create=False)
-                check_version(connection)
-                check_schema(connection)
-                check_all_digests(connection)
-                file = cls(target, connection, lock)
-                file.map.meta, file.map.graph = read_graph(connection, target, keep=False)
-                file.state = _read_state(connection)
-                _begin_wal(connection)
+                file = cls(target, _connect(target), lock)
+                file._read()
         except BaseException:
             lock.release()
             raise
         return file
 
+    def _read(self) -> None:
+        connection = self._open()
+        try:
+            check_version(connection)
+            check_schema(connection)
+            check_all_digests(connection)
+            self.map.meta, self.map.graph = read_graph(connection, StoredLocalMaps(self.path))
+            self.state = _read_state(connection)
+        except BaseException:
+            connection.close()
+            raise
+
     def append(
         self, hybrid: HybridMap, node: int, *, state: State = None, truth: Mapping[str, Any] | None = None
     ) -> None:
-        """Commits a node of `hybrid`, its local map, every arc from or to it, and the meta.
+        """Commits a node of `hybrid`, its local map, its arcs from and to committed nodes, and the meta.
 
         state: the session's state as bytes or JSON object, so that a resumed run goes on exactly (None keeps
         the one there is). truth: JSON object for the node's row in the section that maps never read.
@@ -125,7 +114,8 @@ class MapFile:
 
         Raises: MapError, MapFileError; the file then keeps what it had.
         """
-        arcs = [*hybrid.graph.in_edges(node, keys=True), *hybrid.graph.out_edges(node, keys=True)]
+        edges = [*hybrid.graph.in_edges(node, keys=True), *hybrid.graph.out_edges(node, keys=True)]
+        arcs = [key for key in edges if all(end == node or has_node(self._open(), end) for end in key[:2])]
         self.update(hybrid, [node], arcs, state=state, truth=None if truth is None else {node: truth})
 
     def update(
@@ -142,19 +132,21 @@ class MapFile:
         truth: JSON objects by node; the key -1 (`RUN`) is about the run as a whole.
         Raises: MapError, MapFileError.
         """
+        changed, ways = sorted(set(nodes)), sorted(set(arcs))
         with file_errors(self.path, "save"), transaction(self._open()) as writer:
             put_meta(writer, hybrid.meta)
-            for node in sorted(set(nodes)):
+            for node in changed:
                 if node in hybrid.graph:
                     put_node(writer, hybrid.graph, node)
                 else:
                     writer.delete("node", (node,))
                     writer.put_tensors(node, None)
-            for key in sorted(set(arcs)):
+            for key in ways:
                 if hybrid.graph.has_edge(*key):
                     put_arc(writer, hybrid.graph, key)
                 else:
                     writer.delete("arc", key)
+            check_references(writer.connection, hybrid.meta, changed, ways)
             _put_state(writer, state)
             for node, data in sorted((truth or {}).items()):
                 writer.put("truth", (node, dump_json(dict(data), f"truth of node {node}", TRUTH_LIMIT)))
@@ -174,11 +166,12 @@ class MapFile:
             return
         try:
             with file_errors(self.path, "seal"):
-                part = write_copy(self._connection, self.path)
-                _drain(self._connection, self.path)
+                with atomic_path(self.path, replace=True) as part:
+                    write_copy(self._connection, part)
+                    _drain(self._connection, self.path)
+                # Only now: without its log the unsealed file would not open, were this process killed here.
                 self._connection.close()
-                replace_file(part, self.path)
-                _remove(self.path, ENDINGS)
+                remove_siblings(self.path)
         finally:
             self.close()
 
@@ -213,72 +206,48 @@ class MapFile:
 
 def read_truth(path: str | os.PathLike[str]) -> Truth:
     """The truth section of a map file. Raises: MapFileError, MapFileDamagedError."""
-    target = Path(path)
-    connection = open_map(target)
-    try:
-        with damage(target):
-            rows = dict(read_rows(connection, "truth"))
-            found = {
-                node: parse_object(text, f"truth of node {node}", TRUTH_LIMIT) for node, text in rows.items()
-            }
-    finally:
-        connection.close()
+    with reading(Path(path)) as connection:
+        found = {
+            node: parse_object(text, f"truth of node {node}", TRUTH_LIMIT)
+            for node, text in read_rows(connection, "truth")
+        }
     run = found.pop(RUN, {})
     return Truth(found, run)
 
 
 def read_state(path: str | os.PathLike[str]) -> bytes | dict[str, Any] | None:
     """The session state in a map file. Raises: MapFileError, MapFileDamagedError."""
-    target = Path(path)
-    connection = open_map(target)
-    try:
-        with damage(target):
-            return _read_state(connection)
-    finally:
-        connection.close()
+    with reading(Path(path)) as connection:
+        return _read_state(connection)
 
 
 def read_extensions(path: str | os.PathLike[str]) -> dict[tuple[str, str], Any]:
     """What third parties stored, by (owner, key). Raises: MapFileError, MapFileDamagedError."""
-    target = Path(path)
-    connection = open_map(target)
-    try:
-        with damage(target):
-            rows = read_rows(connection, "ext")
-            return {(owner, key): parse_json(text, f"extension {owner}/{key}") for owner, key, text in rows}
-    finally:
-        connection.close()
+    with reading(Path(path)) as connection:
+        rows = read_rows(connection, "ext")
+        return {(owner, key): parse_json(text, f"extension {owner}/{key}") for owner, key, text in rows}
 
 
-ENDINGS = ("-wal", "-shm", "-journal", ".part")
-
-
-def _remove(path: Path, endings: tuple[str, ...] = ("", *ENDINGS)) -> None:
-    for ending in endings:
-        sibling(path, ending).unlink(missing_ok=True)
-
-
-def _connect(path: Path, create: bool = True) -> sqlite3.Connection:
-    name = f"file:{quote(str(path.absolute()))}?mode={'rwc' if create else 'rw'}"
+def _connect(path: Path) -> sqlite3.Connection:
+    """A connection to write through, in WAL mode."""
+    name = f"file:{quote(str(path.absolute()))}?mode=rw"
     connection = sqlite3.connect(name, uri=True, isolation_level=None, check_same_thread=False, timeout=5.0)
-    connection.execute("PRAGMA trusted_schema = OFF")
-    connection.execute("PRAGMA cell_size_check = ON")
-    connection.execute("PRAGMA journal_mode = DELETE" if create else "PRAGMA query_only = OFF")
-    connection.execute("PRAGMA synchronous = EXTRA")
+    try:
+        for setting in ("trusted_schema = OFF", "cell_size_check = ON", "synchronous = EXTRA"):
+            connection.execute(f"PRAGMA {setting}")
+        mode = connection.execute("PRAGMA journal_mode = WAL").fetchone()[0]
+        if mode != "wal":
+            raise sqlite3.OperationalError(f"no write-ahead log possible here (journal mode {mode})")
+        connection.execute("PRAGMA synchronous = FULL")
+    except BaseException:
+        connection.close()
+        raise
     return connection
-
-
-def _begin_wal(connection: sqlite3.Connection) -> None:
-    mode = connection.execute("PRAGMA journal_mode = WAL").fetchone()[0]
-    if mode != "wal":
-        raise sqlite3.OperationalError(f"no write-ahead log possible here (journal mode {mode})")
-    connection.execute("PRAGMA synchronous = FULL")
 
 
 def _drain(connection: sqlite3.Connection, path: Path) -> None:
     """Empties the write-ahead log: were a full one left beside the sealed file, SQLite would replay it."""
-    busy = connection.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()[0]
-    if busy:
+    if connection.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()[0]:
         raise sqlite3.OperationalError(f"somebody is still reading {path.name}")
 
 

@@ -6,20 +6,19 @@ old version to the tests. Nothing else reads old versions: they are refused with
 
 from __future__ import annotations
 
-import hashlib
 import os
 import sqlite3
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ..errors import MapFileDamagedError, MapFileVersionError
-from .locking import LOCK_SUFFIX
-from .reader import check_all_digests, damage, open_map, read_rows, version_of
-from .records import Value, parse_object
+from ..errors import MapFileVersionError
+from .locking import LOCK_SUFFIX, sibling
+from .packing import check_manifest
+from .reader import check_all_digests, read_rows, read_tensors, reading, version_of
 from .schema import CURRENT, SCHEMAS, Schema
-from .store import drafting
-from .writer import sibling
+from .values import Value
+from .writer import drafting
 
 Row = tuple[Value, ...]
 Rows = dict[str, list[Row]]
@@ -85,7 +84,7 @@ def migrate(
     force: bool = False,
     formats: Formats | None = None,
 ) -> Migrated:
-    """Writes a map file of an older version anew in the current one, sealed; `path` stays as it is.
+    """Writes a map file of an older version as one of the current version, sealed; `path` stays as it is.
 
     Everything is verified while it is read: a damaged file is refused, and `output` not written.
 
@@ -98,13 +97,13 @@ def migrate(
     if schema is None:
         raise MapFileVersionError(f"{target}: not a sealed map file of an older version that can be migrated")
     steps = [known.steps[version] for version in range(schema.version, known.current.version)]
-    connection = open_map(target, schema)
-    try:
-        rows = _read(connection, target, schema)
+    with reading(target, schema) as connection:
+        check_all_digests(connection, schema)
+        rows = {table: read_rows(connection, table, schema) for table in schema.columns}
         for step in steps:
             rows = step.rows(rows)
         with drafting(Path(output), force, known.current) as writer:
-            for table in known.current.digested:
+            for table in known.current.columns:
                 if table != "node":
                     for row in rows[table]:
                         writer.put(table, row)
@@ -113,35 +112,19 @@ def migrate(
             for row in rows["node"]:
                 manifest = row[at]
                 if isinstance(manifest, str):
-                    manifest, data = _local_map(connection, target, row[0], manifest, steps)
+                    manifest, data = _local_map(connection, int(row[0] or 0), manifest, steps)
                     writer.put_tensors(int(row[0] or 0), data)
                     maps += 1
                 writer.put("node", (*row[:at], manifest, *row[at + 1 :]))
-    finally:
-        connection.close()
     return Migrated(schema.version, len(rows["node"]), len(rows["arc"]), maps)
 
 
-def _read(connection: sqlite3.Connection, path: Path, schema: Schema) -> Rows:
-    with damage(path):
-        check_all_digests(connection, schema)
-        return {table: read_rows(connection, table, schema) for table in schema.digested}
-
-
 def _local_map(
-    connection: sqlite3.Connection, path: Path, node: Value, manifest: str, steps: list[Step]
+    connection: sqlite3.Connection, node: int, manifest: str, steps: list[Step]
 ) -> tuple[str, bytes]:
     """Manifest and bytes of a node's local map in the newest version, verified before the first step."""
-    where = f"node {node!r}"
-    with damage(path):
-        found = connection.execute("SELECT data FROM tensors WHERE node = ?", (node,)).fetchone()
-        about = parse_object(manifest, f"{where}: the local map's manifest")
-        if found is None or not isinstance(found[0], bytes):
-            raise MapFileDamagedError(f"{where}: its local map is missing")
-        whole = hashlib.blake2b(found[0], digest_size=16).hexdigest()
-        if (len(found[0]), whole) != (about.get("bytes"), about.get("hash")):
-            raise MapFileDamagedError(f"{where}: the local map's bytes do not match their checksum")
-    data: bytes = found[0]
+    data = read_tensors(connection, node)
+    check_manifest(manifest, data, f"node {node}")
     for step in steps:
         manifest, data = step.local_map(manifest, data)
     return manifest, data

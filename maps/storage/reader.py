@@ -6,18 +6,16 @@ import sqlite3
 import stat
 import struct
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from ..errors import MapFileDamagedError, MapFileError, MapFileVersionError
-from ..local.content import LocalMapContent
-from .locking import LOCK_SUFFIX
-from .records import row_hash, unpack_local_map, wrap_sum
+from ..errors import MapError, MapFileDamagedError, MapFileError, MapFileVersionError
+from .locking import LOCK_SUFFIX, sibling
 from .schema import APPLICATION_ID, CURRENT, Schema
-from .writer import sibling
+from .values import row_hash, wrap_sum
 
 MAX_FILE = 64 << 30
 MAX_NODES = 1_000_000
@@ -34,10 +32,16 @@ def damage(path: Path) -> Iterator[None]:
     """Turns what SQLite raises while reading into one MapFileDamagedError, and prefixes the file's name."""
     try:
         yield
-    except MapFileDamagedError as error:
+    except (MapFileDamagedError, MapFileVersionError) as error:
         text = str(error)
-        raise MapFileDamagedError(text if text.startswith(str(path)) else f"{path}: {text}") from None
+        raise type(error)(text if text.startswith(str(path)) else f"{path}: {text}") from None
+    except MapFileError:
+        raise
+    except MapError as error:
+        raise MapFileDamagedError(f"{path}: {error}") from None
     except sqlite3.OperationalError as error:
+        if "readonly" in str(error):
+            raise MapFileError(f"{path}: its writing was cut off; resume it first") from None
         if "locked" in str(error) or "unable to open" in str(error) or "disk I/O" in str(error):
             raise MapFileError(f"{path}: cannot read: {error}") from None
         raise MapFileDamagedError(f"{path}: damaged: {error}") from None
@@ -55,6 +59,17 @@ def open_map(path: Path, schema: Schema = CURRENT) -> sqlite3.Connection:
     live = sibling(path, LOCK_SUFFIX).exists() and path.is_file()
     sealed = not live and check_header(path, schema)
     return _connect(path, "mode=ro&immutable=1" if sealed else "mode=ro", schema)
+
+
+@contextmanager
+def reading(path: Path, schema: Schema = CURRENT) -> Iterator[sqlite3.Connection]:
+    """A connection as `open_map` gives it, for a block. Raises: MapFileError."""
+    connection = open_map(path, schema)
+    try:
+        with damage(path):
+            yield connection
+    finally:
+        connection.close()
 
 
 def open_unchecked(path: Path) -> sqlite3.Connection:
@@ -179,11 +194,13 @@ def read_rows(connection: sqlite3.Connection, table: str, schema: Schema = CURRE
     Raises: MapFileDamagedError.
     """
     known = connection.execute("SELECT rows, total FROM digest WHERE name = ?", (table,)).fetchone()
-    if known is None:
+    if known is None or not fits(known, ((int,), (int,))):
         raise MapFileDamagedError(f"no digest of table {table}")
-    rows, total = [], 0
+    rows, total, types = [], 0, schema.types[table]
     columns = ", ".join(schema.columns[table])
     for row in connection.execute(f"SELECT {columns}, hash FROM {table}"):
+        if not fits(row, types):
+            raise MapFileDamagedError(f"table {table}, row {row[0]!r:.40}: a value of a wrong type")
         if row_hash(table, row[:-1]) != row[-1]:
             raise MapFileDamagedError(f"table {table}, row {row[0]!r:.40}: checksum does not match")
         rows.append(row[:-1])
@@ -197,46 +214,20 @@ def read_rows(connection: sqlite3.Connection, table: str, schema: Schema = CURRE
     return rows
 
 
+def fits(row: Sequence[object], types: Sequence[tuple[type, ...]]) -> bool:
+    """Whether values are of the types that their columns hold: STRICT tables can be talked out of it."""
+    return all(type(value) in allowed for value, allowed in zip(row, types, strict=True))
+
+
 def check_all_digests(connection: sqlite3.Connection, schema: Schema = CURRENT) -> None:
     """Verifies every digested table. Raises: MapFileDamagedError."""
-    for table in schema.digested:
+    for table in schema.columns:
         read_rows(connection, table, schema)
 
 
-class TensorReader:
-    """Reads one node's local map at a time."""
-
-    def __init__(self, path: Path, connection: sqlite3.Connection | None) -> None:
-        """Through a connection that stays open, or, with None, through a new one each time."""
-        self._path = path
-        self._connection = connection
-
-    def __deepcopy__(self, memo: dict[int, Any]) -> TensorReader:
-        """A copy of a map reads from the same file."""
-        return self
-
-    def read(self, node: int) -> LocalMapContent:
-        """The local map of a node, verified. Raises: MapFileError, MapFileDamagedError."""
-        if self._connection is not None:
-            return self._read(self._connection, node)
-        connection = _connect(self._path, "mode=ro")
-        try:
-            return self._read(connection, node)
-        finally:
-            connection.close()
-
-    def _read(self, connection: sqlite3.Connection, node: int) -> LocalMapContent:
-        where = f"{self._path}: node {node}"
-        columns = ", ".join(f"node.{column}" for column in CURRENT.columns["node"])
-        with damage(self._path):
-            harden(connection)
-            found = connection.execute(
-                f"SELECT {columns}, node.hash, tensors.data FROM node"
-                " LEFT JOIN tensors ON tensors.node = node.id WHERE node.id = ?",
-                (node,),
-            ).fetchone()
-            if found is None or found[-3] is None or found[-1] is None:
-                raise MapFileDamagedError(f"{where}: its local map is missing")
-            if row_hash("node", found[:-2]) != found[-2]:
-                raise MapFileDamagedError(f"{where}: checksum does not match")
-        return unpack_local_map(found[-3], found[-1], where)
+def read_tensors(connection: sqlite3.Connection, node: int) -> bytes:
+    """The bytes of a node's local map. Raises: MapFileDamagedError, sqlite3.Error."""
+    found = connection.execute("SELECT data FROM tensors WHERE node = ?", (node,)).fetchone()
+    if found is None or not isinstance(found[0], bytes):
+        raise MapFileDamagedError(f"node {node}: its local map is missing")
+    return found[0]

@@ -10,14 +10,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..errors import MapError, MapFileDamagedError, MapFileError
+from ..errors import MapError, MapFileError
+from ..fields import ARC, NODE
 from ..meta import MapMeta
-from . import migration as migrating
-from .reader import MAX_NODES, TensorReader, check_all_digests, damage, open_map, open_unchecked
-from .records import ArcRow, NodeRow, dump_json, parse_json, row_hash
+from . import migration
+from .graph import check_arc, read_graph
+from .reader import MAX_NODES, check_all_digests, damage, fits, open_map, open_unchecked, read_tensors
+from .rows import from_row
 from .schema import CURRENT
-from .store import check_arc, check_node, drafting, read_graph
-from .writer import RowWriter
+from .unpacking import StoredLocalMaps, read_local_map
+from .values import dump_json, parse_json, parse_object, row_hash
+from .writer import RowWriter, drafting
 
 MOST_PROBLEMS = 50
 
@@ -54,7 +57,7 @@ def validate(path: str | os.PathLike[str]) -> Validation:
     target = Path(path)
     if not target.is_file():
         raise MapFileError(f"{target}: there is no such file")
-    if migrating.FORMATS.older(target) is not None:
+    if migration.FORMATS.older(target) is not None:
         return _of_older_version(target)
     problems: list[str] = []
     try:
@@ -92,8 +95,8 @@ def recover(path: str | os.PathLike[str], output: str | os.PathLike[str], force:
         raise MapFileError(
             f"{goal}: recovering a file onto itself would lose what cannot be read; name another"
         )
-    if migrating.FORMATS.older(target) is not None:
-        done = migrating.migrate(target, goal, force)
+    if migration.FORMATS.older(target) is not None:
+        done = migration.migrate(target, goal, force)
         return Validation((_VERSION.format(done.version),), done.nodes, done.arcs, done.local_maps)
     about = validate(target)
     found = _salvage(target)
@@ -109,7 +112,7 @@ def _of_older_version(path: Path) -> Validation:
     """Brings the file over into a folder that is thrown away, to know what is in it."""
     with tempfile.TemporaryDirectory() as folder:
         try:
-            done = migrating.migrate(path, Path(folder) / "new.tolman")
+            done = migration.migrate(path, Path(folder) / "new.tolman")
         except MapFileError as error:
             return Validation((_bare(error, path), "nothing can be saved"), 0, 0, 0)
     return Validation((_VERSION.format(done.version),), done.nodes, done.arcs, done.local_maps)
@@ -120,48 +123,56 @@ def _bare(error: Exception, path: Path) -> str:
 
 
 def _all_problems(connection: sqlite3.Connection, path: Path) -> Iterator[str]:
-    try:
-        with damage(path):
-            for (line,) in connection.execute("PRAGMA integrity_check(20)").fetchall():
-                if line != "ok":
-                    yield f"SQLite: {' '.join(str(line).split())}"
-    except MapFileError as error:
-        yield _bare(error, path)
-    try:
-        with damage(path):
-            check_all_digests(connection)
-            _, graph = read_graph(connection, path)
-    except MapFileError as error:
-        yield _bare(error, path)
-        return
-    for _, data in graph.nodes(data=True):
-        if data["local_map"] is not None:
-            try:
-                data["local_map"].content  # noqa: B018 - reading is the check
-            except MapFileError as error:
-                yield _bare(error, path)
-    extra = connection.execute(
-        "SELECT count(*) FROM tensors LEFT JOIN node ON node.id = tensors.node WHERE node.local_map IS NULL"
-    ).fetchone()[0]
-    if extra:
-        yield f"{extra} local map(s) belong to no node"
+    for check in (_sqlite_problems, _graph_problems, _local_map_problems):
+        try:
+            with damage(path):
+                yield from check(connection, path)
+        except MapFileError as error:
+            yield _bare(error, path)
+
+
+def _sqlite_problems(connection: sqlite3.Connection, path: Path) -> Iterator[str]:
+    for (line,) in connection.execute("PRAGMA integrity_check(20)").fetchall():
+        if line != "ok":
+            yield f"SQLite: {' '.join(str(line).split())}"
+
+
+def _graph_problems(connection: sqlite3.Connection, path: Path) -> Iterator[str]:
+    check_all_digests(connection)
+    read_graph(connection, StoredLocalMaps(path))
     for node, text in connection.execute("SELECT node, data FROM truth"):
         try:
-            parse_json(text, f"truth of node {node}", 1 << 20)
-        except MapFileDamagedError as error:
+            parse_object(text, f"truth of node {node}", 1 << 20)
+        except MapError as error:
             yield str(error)
+
+
+def _local_map_problems(connection: sqlite3.Connection, path: Path) -> Iterator[str]:
+    manifests = connection.execute("SELECT id, local_map FROM node WHERE local_map IS NOT NULL").fetchall()
+    for node, manifest in manifests:
+        try:
+            if type(node) is int and type(manifest) is str:
+                read_local_map(connection, node, manifest)
+        except (MapError, sqlite3.Error) as error:
+            yield str(error)
+    query = (
+        "SELECT count(*) FROM tensors LEFT JOIN node ON node.id = tensors.node WHERE node.local_map IS NULL"
+    )
+    ((extra,),) = connection.execute(query)
+    if extra:
+        yield f"{extra} local map(s) belong to no node"
 
 
 def _count(path: Path) -> tuple[int, int, int]:
     connection = open_map(path)
     try:
-        numbers = [connection.execute(f"SELECT count(*) FROM {table}").fetchone()[0] for table in _COUNTED]
+        nodes, arcs, maps = (
+            int(connection.execute(f"SELECT count(*) FROM {table}").fetchone()[0])
+            for table in ("node", "arc", "tensors")
+        )
     finally:
         connection.close()
-    return numbers[0], numbers[1], numbers[2]
-
-
-_COUNTED = ("node", "arc", "tensors")
+    return nodes, arcs, maps
 
 
 def _salvage(path: Path) -> _Salvage:
@@ -169,21 +180,18 @@ def _salvage(path: Path) -> _Salvage:
     connection = open_unchecked(path)
     try:
         found = _Salvage({}, {}, [])
-        for table in CURRENT.digested:
+        for table in CURRENT.columns:
             found.rows[table] = _good_rows(connection, table, found.lost)
         _drop_misfits(found)
-        reader = TensorReader(path, connection)
         for position, row in enumerate(found.rows["node"]):
-            node = NodeRow(*row)
-            if node.local_map is None:
+            if row[-1] is None:
                 continue
             try:
-                reader.read(node.id)
-                query = "SELECT data FROM tensors WHERE node = ?"
-                found.tensors[node.id] = connection.execute(query, (node.id,)).fetchone()[0]
-            except (MapError, sqlite3.Error):
-                found.lost.append(f"node {node.id}: its local map is damaged and left out")
-                found.rows["node"][position] = node._replace(local_map=None)
+                read_local_map(connection, row[0], row[-1])
+                found.tensors[row[0]] = read_tensors(connection, row[0])
+            except (MapError, sqlite3.Error, MemoryError):
+                found.lost.append(f"node {row[0]}: its local map is damaged and left out")
+                found.rows["node"][position] = (*row[:-1], None)
         return found
     finally:
         connection.close()
@@ -197,7 +205,7 @@ def _good_rows(connection: sqlite3.Connection, table: str, lost: list[str]) -> l
         order = ", ".join(f"{column} {direction}" for column in CURRENT.key(table))
         try:
             for row in connection.execute(f"SELECT {columns}, hash FROM {table} ORDER BY {order}"):
-                if row_hash(table, row[:-1]) == row[-1]:
+                if fits(row, CURRENT.types[table]) and row_hash(table, row[:-1]) == row[-1]:
                     good[row[: CURRENT.keys[table]]] = row[:-1]
                 else:
                     bad += 1
@@ -213,15 +221,35 @@ def _good_rows(connection: sqlite3.Connection, table: str, lost: list[str]) -> l
 
 
 def _drop_misfits(found: _Salvage) -> None:
-    """Drops rows with impossible values and arcs to nodes that are lost; mends the meta."""
-    found.rows["node"] = [row for row in found.rows["node"] if _fits(row, node=True)]
-    known = {row[0] for row in found.rows["node"]}
-    arcs = found.rows["arc"]
-    found.rows["arc"] = [
-        row for row in arcs if row[0] in known and row[1] in known and _fits(row, node=False)
+    """Drops rows with impossible values and arcs to nodes that are lost; gives the meta what it lacks."""
+    names: set[str] = set()
+    kept = []
+    for row in found.rows["node"]:
+        name = _node_name(row)
+        if name is not None and name not in names:
+            names.add(name)
+            kept.append(row)
+    _note_lost(found, "node(s) have impossible values", len(kept) - len(found.rows["node"]))
+    found.rows["node"] = kept
+    known = {row[0] for row in kept}
+    arcs = [row for row in found.rows["arc"] if row[0] in known and row[1] in known and _arc_fits(row)]
+    _note_lost(found, "arc(s) lead to nodes that are lost", len(arcs) - len(found.rows["arc"]))
+    found.rows["arc"] = arcs
+    for table, column in (("truth", 1), ("ext", 2)):
+        rows = [row for row in found.rows[table] if _is_json(row[column], table == "truth")]
+        _note_lost(found, f"row(s) of table {table} hold no JSON", len(rows) - len(found.rows[table]))
+        found.rows[table] = rows
+    found.rows["meta"] = [
+        (key, dump_json(value, f"meta {key}")) for key, value in _whole_meta(found, known).items()
     ]
-    if len(found.rows["arc"]) < len(arcs):
-        found.lost.append(f"{len(arcs) - len(found.rows['arc'])} arc(s) lead to nodes that are lost")
+
+
+def _note_lost(found: _Salvage, what: str, change: int) -> None:
+    if change:
+        found.lost.append(f"{-change} {what}")
+
+
+def _whole_meta(found: _Salvage, known: set[int]) -> dict[str, Any]:
     blank = MapMeta().to_json()
     have = {key: value for key, value in found.rows["meta"] if key in blank}
     values: dict[str, Any] = {}
@@ -234,16 +262,29 @@ def _drop_misfits(found: _Salvage) -> None:
             found.lost.append(f"meta {key} is lost")
     if values["current_node"] not in known:
         values["current_node"] = values["arrival"] = None
-    found.rows["meta"] = [(key, dump_json(value, f"meta {key}")) for key, value in values.items()]
+    return values
 
 
-def _fits(row: tuple[Any, ...], node: bool) -> bool:
+def _node_name(row: tuple[Any, ...]) -> str | None:
     try:
-        if node:
-            check_node(NodeRow(*row))
-        else:
-            check_arc(ArcRow(*row))
-    except (MapError, TypeError):
+        return str(from_row(NODE, row)[1]["name"])
+    except MapError:
+        return None
+
+
+def _arc_fits(row: tuple[Any, ...]) -> bool:
+    try:
+        from_row(ARC, row)
+        check_arc(row)
+    except MapError:
+        return False
+    return True
+
+
+def _is_json(text: str, table: bool) -> bool:
+    try:
+        (parse_object if table else parse_json)(text, "it", 1 << 20)
+    except MapError:
         return False
     return True
 

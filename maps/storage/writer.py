@@ -2,43 +2,46 @@
 
 from __future__ import annotations
 
-import os
 import sqlite3
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ..errors import MapFileError
-from .records import Value, row_hash, wrap_sum
+from ...files.messages import FileError
+from ...files.writing import TargetExistsError, atomic_path, check_target
+from ..errors import MapFileError, MapFileExistsError
+from .locking import Lock, sibling
 from .schema import APPLICATION_ID, CURRENT, PAGE_SIZE, Schema
+from .values import Value, row_hash, wrap_sum
 
 _SCHEMA_COOKIE = 40
 """Where the file's header has the 4-byte counter of schema changes."""
 
 
 @contextmanager
-def file_errors(path: Path, doing: str) -> Iterator[None]:
-    """Turns what SQLite and the system raise into one MapFileError that names the file and the deed."""
+def file_errors(path: Path, doing: str, hint: str = "force overwrites it") -> Iterator[None]:
+    """Turns what SQLite, the system and the gate raise into one MapFileError that names file and deed."""
     try:
         yield
+    except TargetExistsError:
+        raise MapFileExistsError(f"{path} exists already; {hint}") from None
+    except FileError as error:
+        raise MapFileError(str(error)) from error
     except (sqlite3.Error, OSError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise MapFileError(f"{path}: cannot {doing}: {reason}; what was saved before is kept") from error
 
 
-def create_tables(connection: sqlite3.Connection, schema: Schema = CURRENT) -> None:
-    """Makes an empty map of an empty database, in one transaction, with a rollback journal."""
-    connection.execute(f"PRAGMA page_size = {PAGE_SIZE}")
-    connection.execute("PRAGMA encoding = 'UTF-8'")
-    connection.execute("BEGIN IMMEDIATE")
+def _create_tables(connection: sqlite3.Connection, schema: Schema) -> None:
+    """Makes an empty map of an empty database, in the caller's transaction."""
     connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
     connection.execute(f"PRAGMA user_version = {schema.version}")
     for statement in schema.tables.values():
         connection.execute(statement)
     connection.executemany(
-        "INSERT INTO digest VALUES (?, 0, 0)", [(name,) for name in sorted(schema.digested)]
+        "INSERT INTO digest VALUES (?, 0, 0)", [(name,) for name in sorted(schema.columns)]
     )
-    connection.execute("COMMIT")
 
 
 class RowWriter:
@@ -119,39 +122,55 @@ def transaction(connection: sqlite3.Connection, schema: Schema = CURRENT) -> Ite
         raise
 
 
-def write_copy(connection: sqlite3.Connection, path: Path) -> Path:
-    """Writes the database durably to a new file beside `path`: same content, same bytes. Returns its name."""
-    part = sibling(path, ".part")
-    part.unlink(missing_ok=True)
-    try:
-        connection.execute("VACUUM INTO ?", (str(part),))
-        with open(part, "rb+") as file:
-            file.seek(_SCHEMA_COOKIE)
-            file.write(b"\0\0\0\1")  # VACUUM counts it up each time: the one byte that is not content
-            file.flush()
-            os.fsync(file.fileno())
-    except BaseException:
-        part.unlink(missing_ok=True)
-        raise
-    return part
+def write_copy(connection: sqlite3.Connection, part: Path) -> None:
+    """Writes the database to an empty file: same content, same bytes."""
+    connection.execute("VACUUM INTO ?", (str(part),))
+    with open(part, "rb+") as file:
+        file.seek(_SCHEMA_COOKIE)
+        file.write(b"\0\0\0\1")  # VACUUM counts it up each time: the one byte that is not content
 
 
-def replace_file(part: Path, path: Path) -> None:
-    """Puts a finished file in the place of another, at once and durably."""
-    os.replace(part, path)
-    sync_folder(path)
+@contextmanager
+def drafting(target: Path, force: bool = False, schema: Schema = CURRENT) -> Iterator[RowWriter]:
+    """Writes a whole new sealed file through the writer it yields; it appears at the end or not at all.
+
+    Raises: MapFileExistsError without force, MapFileError.
+    """
+    with file_errors(target, "write"):
+        target = check_target(target, replace=force)
+        with Lock.held(target), draft(target, force, schema) as writer:
+            yield writer
 
 
-def sibling(path: Path, suffix: str) -> Path:
-    """The file beside `path` with that ending added to its name."""
-    return path.with_name(path.name + suffix)
-
-
-def sync_folder(path: Path) -> None:
-    """Makes the names in the folder of `path` durable, where the system can."""
-    if os.name == "posix":
-        descriptor = os.open(path.parent, os.O_RDONLY)
+@contextmanager
+def draft(target: Path, replace: bool, schema: Schema = CURRENT) -> Iterator[RowWriter]:
+    """As `drafting`, for who holds the lock of `target` already."""
+    with (
+        atomic_path(target, replace=replace) as part,
+        tempfile.TemporaryDirectory(prefix=".tolman-", dir=target.parent) as folder,
+    ):
+        connection = sqlite3.connect(Path(folder) / "draft", isolation_level=None)
         try:
-            os.fsync(descriptor)
+            for setting in (
+                f"page_size = {PAGE_SIZE}",
+                "encoding = 'UTF-8'",
+                "journal_mode = OFF",
+                "synchronous = OFF",
+            ):
+                connection.execute(f"PRAGMA {setting}")
+            with transaction(connection, schema) as writer:
+                _create_tables(connection, schema)
+                yield writer
+            write_copy(connection, part)
         finally:
-            os.close(descriptor)
+            connection.close()
+        remove_siblings(target)
+
+
+ENDINGS = ("-wal", "-shm", "-journal")
+
+
+def remove_siblings(path: Path) -> None:
+    """Removes what SQLite leaves beside a database that is no longer open."""
+    for ending in ENDINGS:
+        sibling(path, ending).unlink(missing_ok=True)

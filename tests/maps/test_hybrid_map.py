@@ -2,14 +2,17 @@ from __future__ import annotations
 
 import copy
 import math
+from typing import Any
 
 import networkx as nx
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tolman.maps.boundary.layout import layout
 from tolman.maps.errors import MapError, NoPathError, UnknownNodeError
 from tolman.maps.hybrid_map import HybridMap
+from tolman.maps.local.local_map import LocalMap
 from tolman.maps.meta import MapMeta
 
 
@@ -150,11 +153,25 @@ def test_an_arc_cannot_be_added_twice() -> None:
         ring().add_arc(0, 1, "right", 0.5)
 
 
+@pytest.mark.parametrize("node", [7.0, np.int64(7), "7", -1, 2**63, True])
+def test_a_node_is_numbered_by_a_whole_number(node: Any) -> None:
+    with pytest.raises(MapError, match="expected a whole number from 0"):
+        ring().add_node(node=node)
+
+
 def test_a_map_can_be_copied_and_the_copy_changed() -> None:
     hybrid = ring()
     other = copy.deepcopy(hybrid)
     other.remove_node(0)
     assert 0 in hybrid.graph
+
+
+def test_a_map_says_what_is_in_it() -> None:
+    hybrid = ring()
+    assert repr(hybrid) == "HybridMap('ring', 6 nodes, 12 arcs, 0 local maps, open)"
+    hybrid.graph.nodes[0]["local_map"] = LocalMap.build([[0.0, 0.0]])
+    hybrid.meta = MapMeta(world="ring", loop_closed=True)
+    assert repr(hybrid) == "HybridMap('ring', 6 nodes, 12 arcs, 1 local map, closed)"
 
 
 def test_a_ring_is_laid_out_closed_whatever_its_lengths_say() -> None:

@@ -193,7 +193,7 @@ def test_folders_and_missing_files_are_refused(tmp_path: Path) -> None:
             HybridMap.load(path)
         with pytest.raises(MapFileError):
             MapFile.resume(path)
-    with pytest.raises(MapFileError, match="does not exist"):
+    with pytest.raises(MapFileError, match="there is no folder"):
         MapFile.create(tmp_path / "no" / "m.tolman")
 
 
