@@ -1,4 +1,4 @@
-"""Stresses map files: `python -m tools.torture kills|mutations|full|readonly|pairs|all`.
+"""Stresses map files: `python -m tools.torture kills|mutations|commands|full|readonly|pairs|all`.
 
 Exit status 1 on a fault. POSIX only.
 
@@ -6,6 +6,8 @@ kills: a process that maps is killed (SIGKILL) at random moments; what it had re
 mutations: damaged and crafted files; each must be refused with one line or load what it truly held.
 full: the disk runs full; one clear error, and the last good state stays.
 readonly: the folder cannot be written; one clear error, the map in it can be read.
+commands: files crafted under checksums that hold, through load, info, validate, recover, export, plot; each is
+refused with one line or well-formed.
 pairs: maps of one world from different starts and sides; their nodes must be matched, other worlds' refused.
 """
 
@@ -18,6 +20,7 @@ from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
+from .commands import commands
 from .disks import full, readonly
 from .faults import faults
 from .kills import kills
@@ -28,7 +31,8 @@ from .pairs import pairs
 def main() -> int:
     """Runs the campaigns named on the command line and prints what happened."""
     parser = argparse.ArgumentParser(prog="torture", description=__doc__)
-    parser.add_argument("campaign", choices=["kills", "mutations", "full", "readonly", "pairs", "all"])
+    names = ["kills", "mutations", "commands", "full", "readonly", "pairs", "all"]
+    parser.add_argument("campaign", choices=names)
     parser.add_argument("--kills", type=int, default=1000)
     parser.add_argument("--mutations", type=int, default=10_000)
     parser.add_argument("--pairs", type=int, default=20)
@@ -40,6 +44,7 @@ def main() -> int:
         campaigns: dict[str, Callable[[], Counter[str]]] = {
             "kills": lambda: kills(options.kills, options.seed, Path(name)),
             "mutations": lambda: mutations(options.mutations, options.seed, Path(name)),
+            "commands": lambda: commands(options.mutations, options.seed, Path(name)),
             "full": lambda: full(Path(name)),
             "readonly": lambda: readonly(Path(name)),
             "pairs": lambda: pairs(Path(name), options.pairs, options.seed, options.local_maps),

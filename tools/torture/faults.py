@@ -10,6 +10,7 @@ FAULTS = (
     "resumed to other bytes",
     "hangs",
     "crashes",
+    "ended the campaign",
     "over the memory limit",
     "nodes matched wrongly",
     "matched across worlds",

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from tolman.maps import HybridMap, MapError
-from tolman.maps.storage.records import pack_local_map
+from tolman.maps.storage.packing import pack_local_map
 
 from .children import in_child
 from .maps import map_made_up_world

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from tolman.maps import HybridMap, LocalMap, MapFile, MapMeta, read_truth
 from tolman.maps.storage.map_file import read_state
-from tolman.maps.storage.records import pack_local_map
+from tolman.maps.storage.packing import pack_local_map
 
 
 def local_map(rng: np.random.Generator, views: int = 8) -> LocalMap:

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tolman.maps.storage.records import row_hash
 from tolman.maps.storage.schema import CURRENT
+from tolman.maps.storage.values import row_hash
 
 BYTES = ("truncate", "extend", "flip", "flip few", "overwrite", "zero", "swap pages", "header", "double page")
 ROWS = ("swap values", "set value", "delete row", "copy tensor", "swap tensors", "flip tensor", "digest")
