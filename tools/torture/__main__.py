@@ -6,8 +6,8 @@ kills: a process that maps is killed (SIGKILL) at random moments; what it had re
 mutations: damaged and crafted files; each must be refused with one line or load what it truly held.
 full: the disk runs full; one clear error, and the last good state stays.
 readonly: the folder cannot be written; one clear error, the map in it can be read.
-commands: files crafted under checksums that hold, through load, info, validate, recover, export, plot; each is
-refused with one line or well-formed.
+commands: files crafted under checksums that hold, through load, info, validate, recover, export, plot; each
+must be refused with one line or be well-formed.
 pairs: maps of one world from different starts and sides; their nodes must be matched, other worlds' refused.
 """
 
