@@ -24,8 +24,11 @@ from ...maps.local.training import DEFAULT, THESIS_2, LocalMapConfig
 from ...maps.som.schedules import PERCEPTUAL_2
 from ..errors import did_you_mean
 from .requests import MapRequest, SessionError
+from .settings import updated_fields
 
 Settings = Mapping[str, Mapping[str, Any]]
+_FROM_REQUEST = ("side", "local_maps", "strategy", "max_nodes")
+"""Fields of a mapper's settings that a request sets, and a file of settings cannot."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,6 +157,23 @@ def behavior_settings(profile: Profile, asked: Settings | None) -> dict[str, dic
     for name, values in (asked or {}).items():
         merged.setdefault(name, {}).update(values)
     return merged
+
+
+def configured(profile: Profile, settings: Mapping[str, Any]) -> Profile:
+    """The profile with what the section `mapping` of a file of settings asks of its mapper.
+
+    Raises: SessionError naming the setting. What a command line says (side, limits) is not set there.
+    """
+    asked = settings.get("mapping")
+    if not asked:
+        return profile
+    kind: type[Any] = ThesisMappingConfig if profile.mapper == "turns" else MappingConfig
+    base = kind(**profile.mapping)
+    if profile.mapper == "turns":
+        base = replace(base, closing=profile.closing)
+    values = updated_fields(base, asked, "mapping", _FROM_REQUEST)
+    closing = values.pop("closing", profile.closing) if profile.mapper == "turns" else profile.closing
+    return replace(profile, mapping={**profile.mapping, **values}, closing=closing)
 
 
 def make_mapper(

@@ -11,10 +11,13 @@ What is read is plain data, as it also stands in the header of a recording, wher
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
-from typing import Any
+from types import NoneType
+from typing import Any, get_args, get_type_hints
 
+from ...files.messages import quoted, unknown
 from ...files.reading import read_text
 from ...files.yaml_nodes import Entry, parse_yaml
 from ...world.noise.model import NAMES
@@ -22,6 +25,7 @@ from .requests import SessionError
 
 LIMIT = 1 << 20
 """Bytes of a file of settings."""
+_KINDS = {bool: "true or false", int: "a whole number", float: "a number", str: "a text", NoneType: "null"}
 DEFAULT_MEDIATOR = "priority"
 
 Settings = dict[str, Any]
@@ -56,6 +60,39 @@ def mediator_of(settings: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
         return asked, {}
     options = dict(asked)
     return options.pop("name"), options
+
+
+def updated_fields(
+    base: Any, values: Mapping[str, Any], where: str, fixed: Sequence[str] = ()
+) -> dict[str, Any]:
+    """The fields of a dataclass that `values` change, each of its field's type; nested ones whole.
+
+    base: an instance with what is there before. fixed: fields that cannot be set.
+
+    Raises: SessionError for an unknown field or a value of another type; `where` begins the message.
+    """
+    hints = get_type_hints(type(base))
+    known = [field.name for field in fields(base) if field.name not in fixed]
+    changes = {}
+    for name, value in values.items():
+        if name not in known:
+            raise SessionError(f"{where}: {unknown('setting', name, known)}")
+        changes[name] = _fitted(value, getattr(base, name), hints[name], f"{where}.{name}")
+    return changes
+
+
+def _fitted(value: Any, before: Any, hint: Any, where: str) -> Any:
+    if is_dataclass(before):
+        if not isinstance(value, Mapping):
+            raise SessionError(f"{where}: expected settings by name, found {quoted(value)}")
+        return replace(before, **updated_fields(before, value, where))  # type: ignore[type-var]
+    kinds = get_args(hint) or (hint,)
+    if type(value) is int and int not in kinds and float in kinds:
+        value = float(value)
+    if type(value) not in kinds:
+        names = " or ".join(_KINDS.get(kind, kind.__name__) for kind in kinds)
+        raise SessionError(f"{where}: expected {names}, found {quoted(value)}")
+    return value
 
 
 def _behaviors(entry: Entry) -> dict[str, dict[str, Any]]:

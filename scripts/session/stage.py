@@ -15,7 +15,7 @@ from ...agent import Agent, Behavior
 from ...world.geometry import Plan
 from ...world.robot import STOP
 from .assembly import make_agent
-from .profiles import Profile, find_profile, make_mapper, make_navigator
+from .profiles import Profile, configured, find_profile, make_mapper, make_navigator
 from .requests import Progress, RunSettings, SessionError
 from .truth import Observer
 
@@ -65,7 +65,7 @@ class Stage:
         self._progress = progress
         self._looked = -math.inf
         try:
-            self.profile = profile or find_profile(settings.profile)
+            self.profile = configured(profile or find_profile(settings.profile), self.options)
             self._bounds = _bounds(world)
             self._add_robot(behaviors)
         except BaseException:

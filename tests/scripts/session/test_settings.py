@@ -5,8 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from tolman.agent.boundary.trace import ClosingConfig
 from tolman.agent.errors import ConfigError
 from tolman.plugins.errors import PluginError
+from tolman.scripts.session.profiles import Profile, configured, find_profile
 from tolman.scripts.session.requests import MapRequest, SessionError
 from tolman.scripts.session.settings import (
     LIMIT,
@@ -102,3 +104,54 @@ def test_a_behavior_s_setting_changes_the_drive(tmp_path: Path) -> None:
 def test_a_wrong_setting_is_refused_before_the_run(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises((ConfigError, PluginError), match=message):
         mapped(tmp_path, text)
+
+
+def asked(text: str, profile: str = "default") -> Profile:
+    return configured(find_profile(profile), parse_settings(text, "s.yaml"))
+
+
+def test_the_section_mapping_sets_the_profile_s_mapper() -> None:
+    assert asked("behaviors: {}") == find_profile("default")
+    found = asked("mapping: {wall_distance: 1, come_back: false, closing: {confirmations: 3}}")
+    assert found.mapping["wall_distance"] == 1.0
+    assert found.mapping["come_back"] is False
+    assert found.mapping["closing"] == ClosingConfig(confirmations=3)
+    kept = asked("mapping: {closing: {gate: 0.05}}", "default without square rooms")
+    assert kept.mapping["closing"] == ClosingConfig(square_limit=0.0, gate=0.05)
+    thesis = asked("mapping: {closing: null, angle: 0.5}", "thesis")
+    assert (thesis.closing, thesis.mapping) == (None, {"angle": 0.5})
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            "mapping: {wall_distanc: 1}",
+            "mapping: unknown setting 'wall_distanc'; did you mean 'wall_distance'?",
+        ),
+        ("mapping: {side: left}", "mapping: unknown setting 'side'"),
+        ("mapping: {come_back: 1}", "mapping.come_back: expected true or false, found 1"),
+        ("mapping: {wall_distance: [1]}", "mapping.wall_distance: expected a number, found"),
+        ("mapping: {closing: 3}", "mapping.closing: expected settings by name, found 3"),
+        ("mapping: {closing: {gat: 3}}", "mapping.closing: unknown setting 'gat'; did you mean 'gate'?"),
+        (
+            "mapping: {closing: {confirmations: 1.5}}",
+            "mapping.closing.confirmations: expected a whole number",
+        ),
+        ("mapping: {angle: 1}", "mapping: unknown setting 'angle'"),
+    ],
+)
+def test_a_wrong_setting_of_the_mapper_is_refused(text: str, message: str) -> None:
+    with pytest.raises(SessionError) as raised:
+        asked(text)
+    assert str(raised.value).startswith(message)
+
+
+def test_a_setting_of_the_mapper_reaches_it(tmp_path: Path) -> None:
+    config = written(tmp_path, "mapping: {most_rounds: 0.1}")
+    request = MapRequest(
+        world="env1", output=tmp_path / "m", global_only=True, engine="kinematic", config=config, max_nodes=4
+    )
+    assert "rounds without recognizing a corner" in map_world(request).reason
+    with pytest.raises(SessionError, match="unknown setting 'sid'"):
+        mapped(tmp_path, "mapping: {sid: left}", "third.tolman")
