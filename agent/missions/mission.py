@@ -73,15 +73,26 @@ class MissionRunner(Listener):
     A fault in the mission's own code fails the mission, not the agent.
     """
 
-    def __init__(self, mission: Mission, agent: Agent, site: Site, journal: Journal | None = None) -> None:
-        """journal: where done steps are kept; one that was read again lets the mission skip them."""
+    def __init__(
+        self,
+        mission: Mission,
+        agent: Agent,
+        site: Site,
+        journal: Journal | None = None,
+        say: Callable[[str], None] = lambda text: None,
+    ) -> None:
+        """journal: where done steps are kept; one that was read again lets the mission skip them.
+
+        say: is called with what `Say` tells, when it does.
+        """
         super().__init__(agent)
         self.mission = mission
         self.status = Status.RUNNING
         self.said: list[str] = []
         self._agent = agent
         journal = journal if journal is not None else Journal()
-        self._root = Thread(mission.body, "", Runtime(agent, site, journal, self.said))
+        self._say = say
+        self._root = Thread(mission.body, "", Runtime(agent, site, journal, self._hear))
 
     @property
     def ended(self) -> bool:
@@ -92,6 +103,10 @@ class MissionRunner(Listener):
     def doing(self) -> str:
         """The step under way, in words."""
         return self._root.doing
+
+    def _hear(self, text: str) -> None:
+        self.said.append(text)
+        self._say(text)
 
     def update(self, percept: Percept, context: Context) -> None:
         """Resumes whatever need not wait any more."""

@@ -29,7 +29,7 @@ class Runtime:
     agent: Agent
     site: Site
     journal: Journal
-    said: list[str]
+    hear: Callable[[str], None]
 
     def begin(self, body: Any, path: str) -> Task:
         """Starts whatever was yielded, or recalls it if it is done already."""
@@ -46,11 +46,11 @@ class Runtime:
     def on_robot(self, index: int) -> Runtime:
         """The same with another robot."""
         agent, site = self.site.robot(index)
-        return Runtime(agent, site, self.journal, self.said)
+        return Runtime(agent, site, self.journal, self.hear)
 
     def say(self, text: str) -> None:
         """Tells a text to whoever follows the mission."""
-        self.said.append(text)
+        self.hear(text)
         self.agent.bus.publish(Said(time=self.agent.context.time, text=text))
 
     def make(self, body: Any, path: str) -> Task:

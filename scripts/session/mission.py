@@ -5,14 +5,18 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...agent.errors import MissionError
+from ...agent.containment import describe
+from ...agent.errors import CodecError, MissionError
 from ...agent.missions.journal import Journal
 from ...agent.missions.mission import Mission, MissionRunner
+from ...agent.recording.codec import encode
+from ...files.reading import read_text
+from ...maps.errors import MapError
 from ...maps.hybrid_map import HybridMap
 from ..plain import report_values
 
@@ -23,13 +27,15 @@ if TYPE_CHECKING:
 
 JOURNAL = "journal"
 """What attachments of a recording are called that are a resumed mission's journal, before their ending."""
+MAX_STATE = 10_000_000
+"""Bytes of the largest state that is read."""
 _KEPT = re.compile(r"\.state|\.\d+\.tolman")
 """Endings of what stands beside a journal."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MissionReport:
-    """How a mission ended. status: done, failed or cancelled."""
+    """How a mission ended. status: done, failed or cancelled. said, result: what it told and returned."""
 
     mission: str
     status: str
@@ -38,6 +44,8 @@ class MissionReport:
     sim_time_s: float
     collisions: int
     seed: int
+    said: tuple[str, ...] = ()
+    result: Any = None
 
     def to_json(self) -> dict[str, Any]:
         """The fields as a dict of JSON values."""
@@ -57,10 +65,14 @@ class MissionJob:
         mission: Mission,
         journal: Path | None = None,
         resume: bool = False,
+        say: Callable[[str], None] = lambda text: None,
     ) -> None:
-        """journal: where done steps are kept; resume: go on from there. Raises: MissionError, MapError."""
+        """journal: where done steps are kept; resume: go on from there. say: is told what the mission says.
+
+        Raises: MissionError, MapError.
+        """
         self.stage, self.sites, self.mission = stage, sites, mission
-        self._path = journal
+        self._path, self._say = journal, say
         self.journal = Journal(journal, mission=mission.name, resume=resume, before=self.keep)
         if resume and len(self.journal):
             self._restore()
@@ -70,7 +82,7 @@ class MissionJob:
     def begin(self) -> None:
         """Starts the mission; its steps are resumed in the agent's ticks."""
         site = self.sites[0]
-        self.runner = MissionRunner(self.mission, site.agent, site, self.journal)
+        self.runner = MissionRunner(self.mission, site.agent, site, self.journal, self._say)
         self.runner.start()
 
     def watch(self) -> bool:
@@ -99,6 +111,7 @@ class MissionJob:
 
     def report(self) -> MissionReport:
         """How it stands or ended."""
+        outcome = self.runner.outcome
         return MissionReport(
             mission=self.mission.name,
             status=self.runner.status.value,
@@ -107,6 +120,8 @@ class MissionJob:
             sim_time_s=self.stage.time,
             collisions=self.stage.world.collisions(),
             seed=self.stage.settings.seed,
+            said=tuple(self.runner.said),
+            result=None if outcome is None else _as_json(outcome.result),
         )
 
     # --- after a restart ---------------------------------------------------------------------------------
@@ -133,14 +148,34 @@ class MissionJob:
         if journal is None or not _beside(journal, ".state").exists():
             return
         path = _beside(journal, ".state")
+        text = read_text(path, MAX_STATE, MissionError)
         try:
-            state = json.loads(path.read_text(encoding="utf-8"))
-        except ValueError as fault:
-            raise MissionError(f"{path}: damaged ({fault}); begin again without --resume") from fault
-        self.stage.world.restore(state["world"])
-        for index, (site, kept) in enumerate(zip(self.sites, state["sites"], strict=True)):
-            known = HybridMap.load(_beside(journal, f".{index}.tolman")) if kept["has_map"] else None
-            site.restore(kept, known)
+            state = json.loads(text)
+            self.stage.world.restore(state["world"])
+            for index, (site, kept) in enumerate(zip(self.sites, state["sites"], strict=True)):
+                known = HybridMap.load(_beside(journal, f".{index}.tolman")) if kept["has_map"] else None
+                site.restore(kept, known)
+        except (TypeError, ValueError, LookupError, AttributeError, RecursionError) as fault:
+            if isinstance(fault, MapError):
+                raise
+            problem = f"damaged ({describe(fault)})"
+            raise MissionError(f"{path}: {problem}; begin again without --resume") from fault
+
+
+def _as_json(result: Any) -> Any:
+    """What a mission returned, in JSON's own types."""
+    try:
+        return _untagged(encode(result))
+    except CodecError as fault:
+        return f"cannot be told: {fault}"
+
+
+def _untagged(value: Any) -> Any:
+    if isinstance(value, dict) and "$tuple" in value:
+        value = value["$tuple"]
+    if isinstance(value, dict):
+        return {name: _untagged(item) for name, item in value.items()}
+    return [_untagged(item) for item in value] if isinstance(value, list) else value
 
 
 def attachments(request: MissionRequest) -> dict[str, bytes]:

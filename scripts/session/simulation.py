@@ -184,8 +184,10 @@ def go_to(request: GoRequest, progress: ShowProgress = _silent) -> GoReport:
         return report
 
 
-def run_mission(request: MissionRequest, progress: ShowProgress = _silent) -> MissionReport:
-    """Runs a mission file as `tolman run` does, and reports.
+def run_mission(
+    request: MissionRequest, progress: ShowProgress = _silent, say: Callable[[str], None] = lambda text: None
+) -> MissionReport:
+    """Runs a mission file as `tolman run` does, and reports. say: is told what the mission says.
 
     Raises: MissionError, WorldError, MapError, SessionError, PluginError for a request that cannot be met.
     """
@@ -194,7 +196,7 @@ def run_mission(request: MissionRequest, progress: ShowProgress = _silent) -> Mi
     with Simulation(world, settings_of(request), start=start, progress=progress) as simulation:
         sites = sites_of(simulation, request)
         before = attachments(request)
-        job = MissionJob(simulation, sites, mission, request.journal, request.resume)
+        job = MissionJob(simulation, sites, mission, request.journal, request.resume, say)
         with recorded(request.record, "mission", request, simulation, before):
             return job.drive(request.max_time)
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ....files.messages import printable
 from ..command import Command
 from ..options import add_force, add_simulation, number, pose, simulation_values
 from ..output import ProgressLine, check_input, check_output, print_json, stdout_to_stderr
@@ -81,14 +83,15 @@ def _show(request: MissionRequest, as_json: bool) -> int:
     from ....maps.hybrid_map import HybridMap
     from ....plugins.discovery import discover
 
-    nodes = sorted(HybridMap.load(request.map).nodes()) if request.map is not None else None
-    plan = dry_run(Mission.load(request.mission), nodes, set(discover(request.plugins).plugins()))
+    with stdout_to_stderr():
+        nodes = sorted(HybridMap.load(request.map).nodes()) if request.map is not None else None
+        plan = dry_run(Mission.load(request.mission), nodes, set(discover(request.plugins).plugins()))
     if as_json:
         print_json({"steps": plan.lines, "problems": plan.problems})
     else:
-        print("\n".join(plan.lines))
+        print("\n".join(map(printable, plan.lines)))
         for problem in plan.problems:
-            print(f"problem: {problem}")
+            print(f"problem: {printable(problem)}")
     return 1 if plan.problems else 0
 
 
@@ -101,14 +104,20 @@ def _run(request: MissionRequest, as_json: bool) -> int:
     def show(progress: Progress) -> None:
         line.show(f"{progress.time_s:7.0f} s simulated, {progress.nodes:3d} nodes  {progress.message}")
 
+    def say(text: str) -> None:
+        line.close()
+        print(printable(text), file=sys.stderr, flush=True)
+
     with stdout_to_stderr():
-        report = run_mission(request, show)
+        report = run_mission(request, show, say)
         line.close()
     if as_json:
         print_json(report.to_json())
     else:
         reason = f": {report.reason}" if report.reason else ""
-        print(f"{report.mission}: {report.status}{reason}")
+        print(printable(f"{report.mission}: {report.status}{reason}"))
+        if report.result is not None:
+            print(printable(f"result: {report.result}"))
         print(f"{report.steps_done} steps, {report.sim_time_s:.0f} s simulated")
     return 0 if report.status == "done" else 1
 

@@ -14,6 +14,7 @@ from tolman.agent.recording.reader import read_recording
 from tolman.agent.recording.replay import ReplayEnded, ReplayWorld
 from tolman.maps.hybrid_map import HybridMap
 from tolman.maps.storage.map_file import read_truth
+from tolman.scripts.cli.program import execute
 from tolman.scripts.session.mission import MissionJob, MissionReport
 from tolman.scripts.session.replay import replay
 from tolman.scripts.session.requests import MissionRequest
@@ -250,3 +251,42 @@ def test_an_isolated_plugin_that_ends_its_process_ends_no_mission(
     assert len(faults) == 3
     assert "exit status 3" in faults[0]
     assert faults[-1].endswith("disabled")
+
+
+def test_what_a_mission_says_and_returns_is_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = """
+from tolman.agent.missions.steps import Race, Say, Wait
+
+def mission():
+    yield Say("red \\x1b[31m")
+    return (yield Race(Wait(0.1), Wait(9)))
+"""
+    path = write(tmp_path, text, "m.py")
+    common = ["run", str(path), "--world", "env1"]
+    assert execute([*common, "--json"]) == 0
+    out, err = capsys.readouterr()
+    report = json.loads(out)
+    assert (report["said"], report["result"]) == (["red \x1b[31m"], [0, None])
+    assert "red \\x1b[31m" in err
+    assert execute(common) == 0
+    assert "result: [0, None]" in capsys.readouterr().out
+
+
+def test_a_mission_that_prints_does_not_spoil_the_json_of_its_dry_run(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = write(tmp_path, "print('loud')\ndef mission():\n    yield\n", "m.py")
+    assert execute(["run", str(path), "--dry-run", "--json"]) == 1
+    problems = json.loads(capsys.readouterr().out)["problems"]
+    assert problems == ["a mission yields steps such as GoTo(5), not None"]
+
+
+@pytest.mark.parametrize(
+    "state", ["", "{", "[]", "{}", '{"world": 5, "sites": []}', '{"world": {}, "sites": [{}]}']
+)
+def test_a_damaged_state_beside_a_journal_is_one_line(tmp_path: Path, state: str) -> None:
+    path = write(tmp_path, "steps: [wait: 0.1, wait: 0.1]")
+    request(path, world="env1", journal=tmp_path / "j")
+    (tmp_path / "j.state").write_text(state)
+    with pytest.raises(MissionError, match=r"j\.state: damaged .*; begin again without --resume"):
+        request(path, world="env1", journal=tmp_path / "j", resume=True)
