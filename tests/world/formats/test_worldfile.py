@@ -2,10 +2,12 @@ from __future__ import annotations
 
 import json
 import math
+import time
 from importlib import resources
 from pathlib import Path
 
 import pytest
+import yaml
 from tolman.world import Pose, WorldFileError, built_in_world, find_world, open_world
 from tolman.world.formats.worldfile import TOP_KEYS, parse_world
 from tolman.world.spec import Box, Cylinder, Polygon, Wall
@@ -136,3 +138,26 @@ def test_a_mirror_swaps_the_sides() -> None:
     plain, mirror = built_in_world("env1"), built_in_world("env1-mirrored")
     assert mirror.start("right").x == pytest.approx(1.0 - plain.start("left").x)
     assert len(mirror.shapes) == len(plain.shapes)
+
+
+def test_a_large_world_opens_in_at_most_three_times_what_composing_its_yaml_takes(tmp_path: Path) -> None:
+    box = "  - {{at: [{0}.3, {1}.3], size: [0.1, 0.1], angle: {0}}}\n"
+    boxes = "".join(box.format(number % 60, number // 60) for number in range(3_000))
+    text = "tolman-world: 1\nroom: {size: [100, 100]}\nboxes:\n" + boxes
+    path = tmp_path / "large.yaml"
+    path.write_text(text)
+    composing, opening = math.inf, math.inf
+    for _ in range(3):
+        began = time.process_time()
+        yaml.compose(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+        composing = min(composing, time.process_time() - began)
+        began = time.process_time()
+        assert len(find_world(path).shapes) == 3_004
+        opening = min(opening, time.process_time() - began)
+    assert opening < 3.0 * composing
+
+
+def test_a_name_holds_no_control_characters() -> None:
+    text = 'tolman-world: 1\nname: "a\\x1b[31m\\x07b"\nroom: {size: [1, 1]}\n'
+    with pytest.raises(WorldFileError, match=r"f.yaml:2: name: 'a\\x1b\[31m\\x07b' holds control characters"):
+        parse_world(text, "f.yaml", "f")
