@@ -41,9 +41,6 @@ class RunSettings:
     isolate: bool = False
 
 
-Simulation = RunSettings  # its name before there was a class that simulates; goes with the last who uses it
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MapRequest(RunSettings):
     """A mapping. See `tolman map --help` for what each means; max_time in simulated seconds.

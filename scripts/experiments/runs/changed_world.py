@@ -17,7 +17,6 @@ sent to. Result:
 
 from __future__ import annotations
 
-import contextlib
 import math
 from collections.abc import Mapping
 from dataclasses import replace
@@ -27,18 +26,17 @@ from typing import Any
 import numpy as np
 
 from ....maps.hybrid_map import HybridMap
-from ....maps.storage.map_file import Truth, read_truth
-from ....world import open_world
 from ....world.arenas.catalog import find_world
 from ....world.geometry import Plan
 from ....world.robot import EPUCK, Pose
 from ....world.spec import Box, Shape, WorldSpec
-from ...session.assembly import make_agent
-from ...session.profiles import find_profile, make_navigator
-from ...session.trip_run import Trip
+from ...session.simulation import Simulation
+from ...session.trip import Trip
 from ..campaign.jobs import CHANGES
-from .over_map import LOST_BEYOND, mapped_for, simulation_of
+from .over_map import LOST_BEYOND, mapped_for, read_map, simulated_as
 
+Poses = Mapping[int, Pose]
+"""True poses of nodes (m, rad, world frame)."""
 _OUTSIDE = 4
 """The first shapes of a world are the walls around it."""
 _AT_A_BOX = 0.09
@@ -53,34 +51,23 @@ def run_changed_world(settings: Mapping[str, Any], folder: Path) -> dict[str, An
 
 def drive_in_changed_world(path: Path, settings: Mapping[str, Any]) -> dict[str, Any]:
     """The same on a map file. Settings: seed, change, and of the map world, profile, noise, noise_scale."""
-    hybrid_map, truth = HybridMap.load(path), read_truth(path)
+    hybrid_map, truth = read_map(path)
     rng = np.random.default_rng(np.random.SeedSequence([int(settings["seed"]), 11]))
     spec = find_world(str(settings["map world"]))
-    change = str(settings["change"])
-    changed, shape = change_world(spec, change, hybrid_map, truth, rng)
-    start, goal = _two_nodes(Plan(changed.shapes), hybrid_map, truth, rng)
-    simulation = simulation_of(settings)
-    world = open_world(
-        changed,
-        seed=simulation.seed,
-        noise=simulation.noise,
-        noise_scale=simulation.noise_scale,
-        engine=simulation.engine,
-        start=_pose(truth, start),
-    )
+    changed, shape = change_world(spec, str(settings["change"]), hybrid_map, truth, rng)
+    start, goal = _two_nodes(Plan(changed.shapes), truth, hybrid_map.nodes(), rng)
     touched = _touches(hybrid_map, truth, start, goal, shape)
-    with contextlib.closing(world):
-        agent = make_agent(simulation, world, {})
-        trip = Trip(simulation, world, agent, lambda progress: None)
-        navigator = make_navigator(find_profile(simulation.profile), agent, hybrid_map, start, None)
-        report = trip.drive(navigator, goal, truth)
-        places = places_now(_pose(truth, goal), spec, changed)
-        error = min(place.distance_to(world.true_pose()) for place in places)
+    with Simulation(changed, simulated_as(settings), start=truth[start]) as simulation:
+        trip = Trip(simulation, hybrid_map, goal)
+        report = trip.drive(start, None, truth)
+        places = places_now(truth[goal], spec, changed)
+        error = min(place.distance_to(simulation.world.true_pose()) for place in places)
+    assert trip.guide is not None  # it is told where it starts
     arrived = error <= LOST_BEYOND
     return {
         "outcome": ("arrived" if arrived else "false") if report.reached else "gave up",
         "reason": report.reason,
-        "attempts": trip.attempts,
+        "attempts": trip.guide.attempts,
         "touched": touched,
         "error_m": error,
         "shape": [shape.x, shape.y, shape.width, shape.depth],
@@ -93,7 +80,7 @@ def drive_in_changed_world(path: Path, settings: Mapping[str, Any]) -> dict[str,
 
 
 def change_world(
-    spec: WorldSpec, change: str, hybrid_map: HybridMap, truth: Truth, rng: np.random.Generator
+    spec: WorldSpec, change: str, hybrid_map: HybridMap, truth: Poses, rng: np.random.Generator
 ) -> tuple[WorldSpec, Box]:
     """A world that differs by one box, and that box. Raises: ValueError for what cannot be done."""
     boxes = [index for index, shape in enumerate(spec.shapes) if index >= _OUTSIDE and isinstance(shape, Box)]
@@ -129,14 +116,14 @@ def places_now(place: Pose, spec: WorldSpec, changed: WorldSpec) -> list[Pose]:
 
 
 def _added(
-    spec: WorldSpec, change: str, hybrid_map: HybridMap, truth: Truth, rng: np.random.Generator
+    spec: WorldSpec, change: str, hybrid_map: HybridMap, truth: Poses, rng: np.random.Generator
 ) -> Box:
     """A box at a wall beside the way; one that shuts a passage reaches to the wall across."""
     plan, side = Plan(spec.shapes), hybrid_map.meta.side
     arcs = [arc for arc in hybrid_map.arcs() if arc.kind == side and arc.distance > 0.2]
     for _ in range(_TRIES):
         arc = arcs[int(rng.integers(len(arcs)))]
-        one, other = _pose(truth, arc.start), _pose(truth, arc.end)
+        one, other = truth[arc.start], truth[arc.end]
         share = float(rng.uniform(0.3, 0.7))
         heading = math.atan2(other.y - one.y, other.x - one.x)
         place = Pose(one.x + share * (other.x - one.x), one.y + share * (other.y - one.y), heading)
@@ -163,35 +150,24 @@ def _room(plan: Plan, pose: Pose) -> float:
     return 2.0
 
 
-def _two_nodes(plan: Plan, hybrid_map: HybridMap, truth: Truth, rng: np.random.Generator) -> tuple[int, int]:
+def _two_nodes(plan: Plan, truth: Poses, nodes: list[int], rng: np.random.Generator) -> tuple[int, int]:
     """Where the robot starts, with room around it, and another node, whatever has become of it."""
-    nodes = hybrid_map.nodes()
-    free = [
-        node
-        for node in nodes
-        if plan.clearance(*_pose_xy(truth, node)) > EPUCK.body_radius + 0.005
-        and not plan.contains(*_pose_xy(truth, node))
-    ]
-    start = int(rng.choice(free))
+
+    def is_free(pose: Pose) -> bool:
+        x, y = pose.x, pose.y
+        return plan.clearance(x, y) > EPUCK.body_radius + 0.005 and not plan.contains(x, y)
+
+    start = int(rng.choice([node for node in nodes if is_free(truth[node])]))
     return start, int(rng.choice([node for node in nodes if node != start]))
 
 
-def _touches(hybrid_map: HybridMap, truth: Truth, start: int, goal: int, box: Box) -> bool:
+def _touches(hybrid_map: HybridMap, truth: Poses, start: int, goal: int, box: Box) -> bool:
     """Whether the box is within 15 cm of the way that is planned first."""
     plan = Plan((box,))
     for arc in hybrid_map.path(start, goal):
-        one, other = _pose(truth, arc.start), _pose(truth, arc.end)
+        one, other = truth[arc.start], truth[arc.end]
         for share in np.linspace(0.0, 1.0, 20):
             x, y = one.x + share * (other.x - one.x), one.y + share * (other.y - one.y)
             if plan.contains(x, y) or plan.clearance(x, y) < 0.15:
                 return True
     return False
-
-
-def _pose(truth: Truth, node: int) -> Pose:
-    return Pose(*truth.nodes[node]["pose"])
-
-
-def _pose_xy(truth: Truth, node: int) -> tuple[float, float]:
-    pose = _pose(truth, node)
-    return pose.x, pose.y

@@ -2,32 +2,31 @@
 
 from __future__ import annotations
 
-import contextlib
-import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping as Settings
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from ....agent.listener import Outcome
 from ....agent.mapping.published import ThesisMapper
 from ....world.errors import SimulationError
-from ....world.robot import Pose
-from ...session.assembly import make_world
-from ...session.mapping_run import MappingRun, open_map_file
+from ...session.map_files import MapWriter
+from ...session.mapping import Mapping, map_meta
 from ...session.profiles import find_profile
 from ...session.requests import MapRequest
+from ...session.simulation import Simulation, settings_of
 from ..campaign.campaign import Job
 from ..campaign.jobs import map_path
 from ..worlds.named import experiment_world
 from .probes import AT_NODE, ExplorationProbe, LapProbe
-from .training import TrainingRun
+from .training import TrainingMapping
 
 LONGEST = 60_000.0
 """Simulated seconds after which a mapping of an experiment is given up."""
 
 
-def run_mapping(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+def run_mapping(settings: Settings[str, Any], folder: Path) -> dict[str, Any]:
     """Runs the mapping of a job; lengths in m, angles in rad.
 
     The map appears under its name when the run is over: whoever finds it there finds it whole.
@@ -52,51 +51,49 @@ def run_mapping(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     )
     # A lap for the thesis's profile: how its thresholds would have closed the loop follows from the ratios.
     profile = replace(find_profile(request.profile), closing=None)
-    spec = experiment_world(request.world, folder)
-    world = make_world(request, spec, {}, request.side)
-    with contextlib.closing(world), open_map_file(request, world) as file:
-        kind = TrainingRun if settings["training"] else MappingRun
-        run = kind(request, world, file, {}, profile, lambda progress: None)
-        lap, exploration = LapProbe(run), ExplorationProbe(run)
-        try:
-            run.drive()
-        except SimulationError as error:  # counts as a run that did not get round; the others go on
-            run.reason, run.wall_time = str(error), 0.0
-        result = run.report().to_json()
-        result["finished"] = run.reason in ("loop closed", "lap")
-        result["path_integration_error_m"] = lap.error
-        result["explored"] = [list(pair) for pair in exploration.after]
-        result["docked"] = [list(pair) for pair in exploration.docked]
-        result["estimates"] = {str(node): list(place) for node, place in lap.estimates.items()}
-        result["trained"] = getattr(run, "trained", [])
-        result["examples"] = getattr(run, "examples", [])
-        result["closing"] = _closing(run)
-        result["views"] = _views(run)
+    world = experiment_world(request.world, folder)
+    kind = TrainingMapping if settings["training"] else Mapping
+    with (
+        Simulation(world, settings_of(request), start=request.side, profile=profile) as simulation,
+        MapWriter.open(growing, request, map_meta(simulation, request)) as writer,
+    ):
+        result = _figures(kind(simulation, request, writer=writer))
     os.replace(growing, path)
     return result
 
 
-def _views(run: MappingRun) -> list[list[float]]:
-    """By node: how far its first view was from node 0's perceptual SOM (in D_a), and it from node 0 (m)."""
-    mapper = run.mapper
+def _figures(run: Mapping) -> dict[str, Any]:
+    """Maps, and returns what came of it."""
+    lap, exploration = LapProbe(run), ExplorationProbe(run)
+    try:
+        report = run.drive()
+    except SimulationError as error:  # counts as a run that did not get round; the others go on
+        run.outcome = Outcome(False, reason=str(error))
+        report = run.report()
+    return report.to_json() | {
+        "finished": report.reason in ("loop closed", "lap"),
+        "path_integration_error_m": lap.error,
+        "explored": [list(pair) for pair in exploration.after],
+        "docked": [list(pair) for pair in exploration.docked],
+        "estimates": {str(node): list(place) for node, place in lap.estimates.items()},
+        "trained": getattr(run, "trained", []),
+        "examples": getattr(run, "examples", []),
+        **_first_views(run),
+    }
+
+
+def _first_views(run: Mapping) -> dict[str, Any]:
+    """How far nodes' first views were from node 0's perceptual SOM (in D_a), in a run of profile `thesis`.
+
+    views: that, and how far each node is from node 0 (m). closing: what eq. 3.33 would have done at the three
+    thresholds of table 4.17: right, wrong or missed.
+    """
+    mapper, truth = run.mapper, run.observer.nodes
     if not isinstance(mapper, ThesisMapper):
-        return []
-    home = run.truth[0]
-    return [[ratio, run.truth[node].distance_to(home)] for node, ratio in sorted(mapper.ratios.items())]
-
-
-def _closing(run: MappingRun) -> dict[str, str]:
-    """What eq. 3.33 would have done at the three thresholds of table 4.17: right, wrong or missed."""
-    mapper = run.mapper
-    if not isinstance(mapper, ThesisMapper) or not mapper.ratios:
-        return {}
-    home = run.truth[0]
-    outcome = {}
+        return {"closing": {}, "views": []}
+    views = [[ratio, truth[node].distance_to(truth[0])] for node, ratio in sorted(mapper.ratios.items())]
+    closing = {}
     for name, threshold in (("T1", 0.5), ("T2", 1.0), ("T3", 2.0)):
-        taken = next((node for node, ratio in sorted(mapper.ratios.items()) if ratio < threshold), None)
-        outcome[name] = "missed" if taken is None else _judged(run.truth[taken], home)
-    return outcome
-
-
-def _judged(pose: Pose, home: Pose) -> str:
-    return "right" if math.hypot(pose.x - home.x, pose.y - home.y) <= AT_NODE else "wrong"
+        taken = next((distance for ratio, distance in views if ratio < threshold), None)
+        closing[name] = "missed" if taken is None else "right" if taken <= AT_NODE else "wrong"
+    return {"closing": closing if views else {}, "views": views}

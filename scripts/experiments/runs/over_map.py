@@ -6,7 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ...session.requests import Simulation
+from ....maps.hybrid_map import HybridMap
+from ....world.robot import Pose
+from ...session.requests import RunSettings
+from ...session.truth import read_map_truth
 from ..campaign.jobs import map_job_of, map_path
 from .mapping import run_mapping
 
@@ -23,9 +26,16 @@ def mapped_for(settings: Mapping[str, Any], folder: Path) -> Path:
     return path
 
 
-def simulation_of(settings: Mapping[str, Any]) -> Simulation:
+def read_map(path: Path) -> tuple[HybridMap, Mapping[int, Pose]]:
+    """A map, and where its nodes truly are (m, rad, world frame)."""
+    truth = read_map_truth(path)
+    assert truth is not None  # it was made here
+    return HybridMap.load(path), truth.nodes
+
+
+def simulated_as(settings: Mapping[str, Any]) -> RunSettings:
     """How a job that is about a map is simulated: with the map's profile and noise, and a seed of its own."""
-    return Simulation(
+    return RunSettings(
         seed=int(settings["seed"]),
         profile=str(settings["map profile"]),
         noise=str(settings["map noise"]),

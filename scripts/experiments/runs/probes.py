@@ -13,7 +13,7 @@ from ....agent.events import BehaviorFinished, BehaviorStarted, NodeCommitted, N
 from ....agent.goals import ExploreLocally
 from ....agent.mapping.published import ThesisMapper
 from ....world.robot import Percept, Pose, wrap_angle
-from ...session.mapping_run import MappingRun
+from ...session.mapping import Mapping
 
 AT_NODE = 0.15
 """Meters from where a node is within which a robot is at it."""
@@ -29,7 +29,7 @@ class LapProbe:
     run of profile `thesis` at the node that it commits nearest to node 0, or once it is past it.
     """
 
-    def __init__(self, run: MappingRun) -> None:
+    def __init__(self, run: Mapping) -> None:
         """Adds itself to the run's agent."""
         self.error: float | None = None
         self.estimates: dict[int, tuple[float, float]] = {}
@@ -44,11 +44,11 @@ class LapProbe:
     def update(self, percept: Percept, context: Context) -> None:
         """Called once a tick, after path integration."""
         run = self._run
-        home = run.truth.get(0)
+        home = run.observer.nodes.get(0)
         # Exploring around a node across a passage may come near node 0 too: that is no lap.
         if home is None or run.mapper.done or run.agent.is_active("local-exploration"):
             return
-        pose = run.world.true_pose()
+        pose = run.observer.pose
         distance = pose.distance_to(home)
         self._left = self._left or distance > _AWAY
         if self._at_home and distance > self._nearest + _PAST:
@@ -57,20 +57,20 @@ class LapProbe:
             return
         if distance < min(self._nearest, AT_NODE):
             self._nearest = distance
-            self.error = run.raw.pose.distance_to(pose)
+            self.error = run.observer.raw.pose.distance_to(pose)
 
     def _on_created(self, event: NodeCreated) -> None:
-        pose = self._run.raw.pose
+        pose = self._run.observer.raw.pose
         self.estimates[event.node] = (pose.x, pose.y)
 
     def _on_committed(self, event: NodeCommitted) -> None:
         """Takes the last node within reach of node 0 for the lap's end, or else the first one past it."""
-        home = self._run.truth.get(0)
+        home = self._run.observer.nodes.get(0)
         if home is None or self.error is None:
             return
-        distance = self._run.truth[event.node].distance_to(home)
+        distance = self._run.observer.nodes[event.node].distance_to(home)
         self._at_home = distance <= AT_NODE
-        if distance <= _CLOSE or self._run.world.true_pose().distance_to(home) > self._nearest + _PAST:
+        if distance <= _CLOSE or self._run.observer.pose.distance_to(home) > self._nearest + _PAST:
             self._stop()
 
     def _stop(self) -> None:
@@ -84,7 +84,7 @@ class ExplorationProbe:
     after: when local exploration is over; docked: when the node is complete, corrected if the profile does.
     """
 
-    def __init__(self, run: MappingRun) -> None:
+    def __init__(self, run: Mapping) -> None:
         """Subscribes to the run's agent."""
         self.after: list[tuple[float, float]] = []
         self.docked: list[tuple[float, float]] = []
@@ -97,7 +97,7 @@ class ExplorationProbe:
 
     def _on_started(self, event: BehaviorStarted) -> None:
         if event.behavior == "local-exploration" and isinstance(event.goal, ExploreLocally):
-            pose = self._run.world.true_pose()
+            pose = self._run.observer.pose
             # The robot may stand askew and know it: exploring ends in the entry heading all the same.
             self._before = Pose(pose.x, pose.y, pose.heading - event.goal.heading)
 
@@ -111,6 +111,6 @@ class ExplorationProbe:
 
     def _note(self, errors: list[tuple[float, float]]) -> None:
         if self._before is not None:
-            pose = self._run.world.true_pose()
+            pose = self._run.observer.pose
             turn = abs(wrap_angle(pose.heading - self._before.heading))
             errors.append((pose.distance_to(self._before), turn))

@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +15,13 @@ from ....agent.goals import LocalSamples
 from ....maps.local.local_map import LocalMap
 from ....maps.local.training import DEFAULT, THESIS_1
 from ....maps.som.som import SOM
-from ...session.mapping_run import MappingRun
+from ...session.mapping import Mapping
 from ...session.profiles import THESIS_LOCAL_MAP
+
+if TYPE_CHECKING:
+    from ...session.map_files import MapWriter
+    from ...session.requests import MapRequest
+    from ...session.stage import Stage
 
 CONFIGURATIONS = {"batch": DEFAULT, "configuration 1": THESIS_1, "configuration 2": THESIS_LOCAL_MAP}
 METRIC_SIZES = (3, 5, 10)
@@ -105,17 +110,19 @@ def example(samples: LocalSamples, found: Sequence[Fit], node: int) -> dict[str,
     }
 
 
-class TrainingRun(MappingRun):
+class TrainingMapping(Mapping):
     """A mapping that also trains every configuration of table 4.8 on what each local map was made of."""
 
-    trained: list[dict[str, Any]]
-    examples: list[dict[str, Any]]
-    """Of the first local maps."""
+    def __init__(
+        self, stage: Stage, request: MapRequest, robot: int = 0, writer: MapWriter | None = None
+    ) -> None:
+        """As any mapping. trained: by local map; examples: of the first local maps."""
+        super().__init__(stage, request, robot, writer)
+        self.trained: list[dict[str, Any]] = []
+        self.examples: list[dict[str, Any]] = []
 
     def build(self, samples: LocalSamples, entry_heading: float) -> LocalMap:
         """Trains all of them too."""
-        if not hasattr(self, "trained"):
-            self.trained, self.examples = [], []
         node = self.mapper.current
         found = fits(samples, self.request.seed, node)
         if len(self.examples) < EXAMPLES:

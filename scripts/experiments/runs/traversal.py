@@ -9,27 +9,23 @@ distance between the robot and the true place of the node it says it is at; it i
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from ....agent import Agent
 from ....agent.events import NodePassed
 from ....agent.goals import ReacquireCorner
 from ....agent.navigation.corners import Navigator
 from ....agent.navigation.local import LocalNavigator
 from ....agent.navigation.published import Correction, ThesisNavigator
 from ....maps.hybrid_map import Arc, HybridMap
-from ....world import World
 from ....world.errors import SimulationError
 from ....world.robot import Pose, wrap_angle
-from ...session.assembly import make_agent, make_world
-from ...session.profiles import find_profile, make_navigator
-from ...session.requests import Simulation
-from ...session.truth import read_map_truth
+from ...session.profiles import find_profile
+from ...session.simulation import Simulation
 from ..worlds.named import experiment_world
-from .over_map import LOST_BEYOND, mapped_for, simulation_of
+from .over_map import LOST_BEYOND, mapped_for, read_map, simulated_as
 
 TRAVERSALS = 5
 LOCAL_IN = (1, 2, 4, 5)
@@ -39,25 +35,18 @@ _TIME_PER_METER, _TIME_AT_NODE = 150.0, 900.0
 
 def run_traversal(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """Runs the traversals of a job; lengths in m, angles in rad."""
-    path = mapped_for(settings, folder)
-    hybrid_map, truth = HybridMap.load(path), read_map_truth(path)
-    assert truth is not None
-    simulation = simulation_of(settings)
-    arcs = round_of(hybrid_map)
+    hybrid_map, truth = read_map(mapped_for(settings, folder))
+    arcs, corrected = round_of(hybrid_map), bool(settings["corrected"])
     first = arcs[0].start if arcs else hybrid_map.nodes()[0]
-    spec = experiment_world(str(settings["map world"]), folder)
-    world = make_world(simulation, spec, {}, truth.nodes[first])
-    try:
-        run = TraversalRun(
-            simulation, world, hybrid_map, truth.nodes, first, corrected=bool(settings["corrected"])
-        )
+    world, run_as = experiment_world(str(settings["map world"]), folder), simulated_as(settings)
+    profile = replace(find_profile(run_as.profile), correct=corrected)
+    with Simulation(world, run_as, start=truth[first], profile=profile) as simulation:
+        run = TraversalRun(simulation, hybrid_map, truth, first, corrected=corrected)
         try:
             run.drive()
         except SimulationError as error:  # counts as lost; the others go on
             run.lost = run.lost or str(error)
         return run.result()
-    finally:
-        world.close()
 
 
 @dataclass(slots=True)
@@ -83,18 +72,16 @@ class TraversalRun:
     def __init__(
         self,
         simulation: Simulation,
-        world: World,
         hybrid_map: HybridMap,
         truth: Mapping[int, Pose],
         first: int,
         *,
         corrected: bool,
     ) -> None:
-        """Wires agent and navigator for a robot that stands at node `first`."""
-        self.world, self.map, self.truth, self.corrected = world, hybrid_map, truth, corrected
-        profile = replace(find_profile(simulation.profile), correct=corrected)
-        self.agent: Agent = make_agent(simulation, world, {}, profile=profile)
-        self.navigator = make_navigator(profile, self.agent, hybrid_map, first, None)
+        """Makes the navigator of a robot that stands at node `first`."""
+        self.simulation, self.map, self.truth, self.corrected = simulation, hybrid_map, truth, corrected
+        self.world, self.agent, profile = simulation.world, simulation.agent, simulation.profile
+        self.navigator = simulation.make_navigator(0, hybrid_map, first, None)
         self._comes_back = bool(profile.mapping.get("come_back", True))
         exploring = profile.behaviors.get("local-exploration", {})
         self._landmarks = profile.navigator == "corners" and bool(exploring.get("landmarks", True))
@@ -143,18 +130,19 @@ class TraversalRun:
                 self._drive_local(arc.end)
         return True
 
+    def _until(self, done: Callable[[], bool], seconds: float) -> bool:
+        """Ticks until it is done, or for so many simulated seconds; whether it is done."""
+        return done() or self.simulation.run(done, limit=self.simulation.time + seconds)
+
     def _run(self, limit: float) -> bool:
         """Ticks until the navigator is done; False if it gave up."""
-        until = self.world.time + limit
-        while not self.navigator.done:
-            if self.world.time > until:
-                self.lost = self.lost or f"not there after {limit:.0f} s"
-                return False
-            self.agent.tick()
-            self.world.step()
-        if not self.navigator.reached:
-            self.lost = self.lost or self.navigator.reason
-        return self.navigator.reached
+        navigator = self.navigator
+        if not self._until(lambda: navigator.done, limit):
+            self.lost = self.lost or self.simulation.trouble or f"not there after {limit:.0f} s"
+            return False
+        if not navigator.reached:
+            self.lost = self.lost or navigator.reason
+        return navigator.reached
 
     def _drive_local(self, node: int) -> None:
         """Visits every unit of the local map that was hit, and comes back."""
@@ -189,16 +177,10 @@ class TraversalRun:
         if corner == "none" or not room:
             return
         self.agent.start("position-correction", ReacquireCorner(side, corner, room[0]))
-        until = self.world.time + _TIME_AT_NODE
-        while self.agent.is_active("position-correction") and self.world.time < until:
-            self.agent.tick()
-            self.world.step()
+        self._until(lambda: not self.agent.is_active("position-correction"), _TIME_AT_NODE)
 
     def _run_local(self, local: LocalNavigator) -> None:
-        until = self.world.time + _TIME_AT_NODE
-        while not local.done and self.world.time < until:
-            self.agent.tick()
-            self.world.step()
+        self._until(lambda: local.done, _TIME_AT_NODE)
 
     # --- scoring -------------------------------------------------------------------------------------
 

@@ -16,7 +16,6 @@ Result:
 
 from __future__ import annotations
 
-import contextlib
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -24,16 +23,14 @@ from typing import Any
 
 import numpy as np
 
+from ....agent.events import Stuck
 from ....agent.localization.localizer import Localizer
-from ....maps.hybrid_map import HybridMap
-from ....world import World
+from ....agent.navigation.recovery import PATIENCE, TIME_PER_METER
 from ....world.arenas.catalog import find_world
 from ....world.geometry import Plan, cast
 from ....world.robot import EPUCK, Pose
-from ...session.assembly import make_agent, make_world
-from ...session.trip_run import Trip
-from ...session.truth import read_map_truth
-from .over_map import LOST_BEYOND, mapped_for, simulation_of
+from ...session.simulation import Simulation
+from .over_map import LOST_BEYOND, mapped_for, read_map, simulated_as
 
 DISTANCES: Mapping[str, tuple[float, float]] = {"wall": (0.04, 0.10), "open": (0.10, math.inf)}
 """Where a robot is dropped: least and most distance (m) of its center from the nearest wall."""
@@ -47,37 +44,43 @@ def run_unknown_start(settings: Mapping[str, Any], folder: Path) -> dict[str, An
 
 def find_place(path: Path, settings: Mapping[str, Any]) -> dict[str, Any]:
     """The same on a map file. Settings: seed, drop, and of the map world, profile, noise, noise_scale."""
-    hybrid_map, truth = HybridMap.load(path), read_map_truth(path)
-    assert truth is not None
-    simulation = simulation_of(settings)
-    name = str(settings["map world"])
-    start = drop_pose(Plan(find_world(name).shapes), str(settings["drop"]), simulation.seed)
-    world = make_world(simulation, name, {}, start)
-    with contextlib.closing(world):
-        trip = Trip(simulation, world, make_agent(simulation, world, {}), lambda progress: None)
-        node = trip.localize(hybrid_map)
-        return _result(trip.localizer, world, start, None if node is None else truth.nodes[node])
+    hybrid_map, truth = read_map(path)
+    spec = find_world(str(settings["map world"]))
+    start = drop_pose(Plan(spec.shapes), str(settings["drop"]), int(settings["seed"]))
+    with Simulation(spec, simulated_as(settings), start=start) as simulation:
+        localizer = Localizer(simulation.agent, hybrid_map)
+        _drive(simulation, localizer)
+        found, loop = localizer.node is not None, localizer.filter.loop_length
+        error = None
+        if localizer.node is not None:
+            error = truth[localizer.node].distance_to(simulation.world.true_pose())
+        return {
+            "outcome": _outcome(localizer, error),
+            "reason": localizer.reason,
+            "node": localizer.node,
+            "after_m": localizer.length if found else None,
+            "share": localizer.length / loop if found else None,
+            "loop_m": loop,
+            "error_m": error,
+            "start": [start.x, start.y, start.heading],
+            "collisions": simulation.world.collisions(),
+            "sim_time_s": simulation.time,
+        }
 
 
-def _result(localizer: Localizer, world: World, start: Pose, place: Pose | None) -> dict[str, Any]:
-    found, loop = localizer.node is not None, localizer.filter.loop_length
-    error = None if place is None else place.distance_to(world.true_pose())
+def _drive(simulation: Simulation, localizer: Localizer) -> None:
+    """Drives along the boundary until the robot knows where it is, or gives up."""
+    stuck: list[Stuck] = []
+    simulation.agent.bus.subscribe(Stuck, stuck.append)
+    localizer.start()
+    limit = PATIENCE + 3.0 * TIME_PER_METER * localizer.filter.loop_length
+    simulation.run(lambda: localizer.done or any(event.given_up for event in stuck), limit=limit)
+
+
+def _outcome(localizer: Localizer, error: float | None) -> str:
     if error is not None:
-        outcome = "right" if error <= LOST_BEYOND else "wrong"
-    else:
-        outcome = "ambiguous" if localizer.reason.startswith("ambiguous") else "not found"
-    return {
-        "outcome": outcome,
-        "reason": localizer.reason,
-        "node": localizer.node,
-        "after_m": localizer.length if found else None,
-        "share": localizer.length / loop if found else None,
-        "loop_m": loop,
-        "error_m": error,
-        "start": [start.x, start.y, start.heading],
-        "collisions": world.collisions(),
-        "sim_time_s": world.time,
-    }
+        return "right" if error <= LOST_BEYOND else "wrong"
+    return "ambiguous" if localizer.reason.startswith("ambiguous") else "not found"
 
 
 def drop_pose(plan: Plan, drop: str, seed: int) -> Pose:

@@ -37,7 +37,7 @@ def test_smoke_runs_every_table_and_draws_every_figure(
     """With the kinematic twin, two traversals and one way to train; other tests run profile `thesis`."""
     monkeypatch.setattr(traversal, "TRAVERSALS", 2)
     monkeypatch.setattr(training, "CONFIGURATIONS", {"batch": DEFAULT})
-    for module, name in ((mapping, "MapRequest"), (over_map, "Simulation")):
+    for module, name in ((mapping, "MapRequest"), (over_map, "RunSettings")):
         monkeypatch.setattr(module, name, functools.partial(getattr(module, name), engine="kinematic"))
     report, figures = tmp_path / "results.md", tmp_path / "figures"
     arguments = ["experiment", "smoke", "--profile", "default", "--first-seed", "4"]

@@ -7,7 +7,8 @@ def test_the_layout_of_the_report_is_no_part_of_what_results_depend_on() -> None
     for script in ("experiments.runs.mapping", "experiments.runs.traversal"):
         parts = imported_scripts(script)
         assert {
-            "session.mapping_run",
+            "session.mapping",
+            "session.stage",
             "session.profiles",
             "session.assembly",
             "session.truth",

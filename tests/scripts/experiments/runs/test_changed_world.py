@@ -5,10 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tolman.maps.hybrid_map import HybridMap
-from tolman.maps.storage.map_file import read_truth
 from tolman.scripts.experiments.campaign.jobs import CHANGES
 from tolman.scripts.experiments.runs.changed_world import change_world, drive_in_changed_world, places_now
+from tolman.scripts.experiments.runs.over_map import read_map
 from tolman.world.arenas.catalog import find_world
 from tolman.world.robot import Pose
 from tolman.world.spec import Box
@@ -16,8 +15,8 @@ from tolman.world.spec import Box
 
 @pytest.mark.parametrize("change", CHANGES)
 def test_a_changed_world_differs_by_one_box(env1: Path, change: str) -> None:
-    spec, found, truth = find_world("env1"), HybridMap.load(env1), read_truth(env1)
-    changed, box = change_world(spec, change, found, truth, np.random.default_rng(1))
+    spec = find_world("env1")
+    changed, box = change_world(spec, change, *read_map(env1), np.random.default_rng(1))
     before, after = set(spec.shapes), set(changed.shapes)
     assert {"added": (0, 1), "shut": (0, 1), "removed": (1, 0), "moved": (1, 1)}[change] == (
         len(before - after),
