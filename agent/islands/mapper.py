@@ -11,34 +11,31 @@ from the wall that a line leaves, so that its end is known well enough to tell a
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
-from ...maps.boundary.layout import PLACE
 from ...world.robot import Percept
-from ..boundary.trace import BEND
 from ..events import CornerReached, Localized, LoopClosed, Lost, NodePassed, NodeReached
 from ..goals import START_AT, Follow
 from ..listener import Listener, Outcome
 from ..localization.localizer import Localizer
-from ..mapping.base import ArcKey, MapSink
+from ..mapping.base import MapSink
 from ..mapping.corners import Mapper, MappingConfig
 from ..navigation.corners import Navigator
 from ..navigation.crossing import CrossingDrive, Stage
 from ..walls import away_from
 from .anchor import Anchor
-from .candidate import ROUND, Candidate
+from .candidate import ROUND
 from .coverage import ScoutConfig, Scouting
-from .links import is_same, leads, link_islands, take_back, unproven_link
-from .outlines import Outline, outline_from
+from .links import is_same, leads, link_islands, unproven_link
+from .survey import Survey, Verdict
 
 if TYPE_CHECKING:
     from ...maps.hybrid_map import HybridMap
-    from ...maps.local.local_map import LocalMap
     from ..agent import Agent
     from ..behavior import Context
-    from ..goals import LocalSamples
+    from .outlines import Outline
     from .sweep import Chord
 
 _FARTHEST = 5.0
@@ -61,9 +58,9 @@ class Doing(Enum):
 
 
 class IslandMapper(Listener):
-    """Maps a boundary and then the islands within, with a `Mapper` for each, whose sink it is.
+    """Maps a boundary and then the islands within, each by a `Mapper`.
 
-    Its own sink's `rest` is called while the robot stands at a known node, so that all can be saved. forays:
+    The sink's `rest` is called while the robot stands at a known node, so that all can be saved. forays:
     how many crossings were driven. islands: how many it found. scouted: why the search for them ended.
     """
 
@@ -77,25 +74,22 @@ class IslandMapper(Listener):
     ) -> None:
         """Listens to the agent's events; `start` starts the drive."""
         super().__init__(agent)
-        self.agent, self.map, self.sink, self.config = agent, hybrid_map, sink, scouting
+        self.agent, self.map, self.config = agent, hybrid_map, scouting
         self.side = config.side
         self.scouted = ""
         self.forays = 0
         self.islands = 0
-        self._mapping = config
         self._doing = Doing.BOUNDARY
-        self.mapper = Mapper(agent, hybrid_map, self, config, self._take_corner)
-        self._mismatch = self.mapper.mismatch
+        self._anchor = Anchor(agent.odometry, self.side, scouting.near, scouting.near_slope)
+        self._survey = Survey(agent, hybrid_map, sink, config, self._anchor, self._known, self._on_recognized)
         self._navigator: Navigator | None = None
         self._drive = CrossingDrive(agent, self.side, self._on_crossed, self._on_landed)
         self._scouting: Scouting | None = None
         self._node = -1
         self._chord: Chord | None = None
-        self._candidate = Candidate()
-        self._anchor = Anchor(agent.odometry, self.side, scouting.near, scouting.near_slope)
+        self._turned = 0.0
         self._finding = False
         self._leaves = 0
-        self._gone: tuple[list[int], list[ArcKey]] = ([], [])
         self.listen(CornerReached, self._anchor.meet)
         self.listen(LoopClosed, self._on_closed)
         self.listen(NodePassed, self._on_passed)
@@ -104,6 +98,11 @@ class IslandMapper(Listener):
         self.listen(Lost, self._on_lost)
 
     # --- what a run needs -----------------------------------------------------------------------------
+
+    @property
+    def mapper(self) -> Mapper:
+        """What maps the boundary at hand, or mapped the last."""
+        return self._survey.mapper
 
     @property
     def current(self) -> int:
@@ -140,13 +139,10 @@ class IslandMapper(Listener):
         mapping = self._doing in (Doing.BOUNDARY, Doing.ISLAND)
         return {
             "doing": self._doing.name,
-            "mapper": self.mapper.state() if mapping else None,
-            "mismatch": [self._mismatch.value, self._mismatch.variance],
+            **self._survey.state(mapping),
             "scouting": None if self._scouting is None else self._scouting.state(),
             "node": self._node,
             "counts": [self.forays, self.islands, self._leaves],
-            "heading": self.mapper.heading,
-            **self._candidate.state(),
             **self._anchor.state(),
             "heard": self.agent.bus.corners,
         }
@@ -154,20 +150,11 @@ class IslandMapper(Listener):
     def restore(self, state: Mapping[str, Any]) -> None:
         """Goes back to a `state`."""
         self._doing = Doing[state["doing"]]
-        if self._doing is not Doing.BOUNDARY:
-            self.mapper.stop("the boundary is mapped")
-        if self._doing is Doing.ISLAND:
-            self._new_mapper()
-        if state["mapper"] is not None:
-            self.mapper.restore(state["mapper"])
-        self._mismatch.value, self._mismatch.variance = state["mismatch"]
-        self._mismatch.apply(self.agent.odometry)
-        self.mapper.heading = state["heading"]
+        self._survey.restore(state, self._doing is Doing.BOUNDARY, self._doing is Doing.ISLAND)
         if state["scouting"] is not None:
             self._scouting = Scouting.restored(state["scouting"], self.config)
         self._node = int(state["node"])
         self.forays, self.islands, self._leaves = state["counts"]
-        self._candidate = Candidate.restored(state)
         self._anchor.restore(state)
         self.agent.bus.corners = int(state.get("heard", 0))
 
@@ -175,17 +162,12 @@ class IslandMapper(Listener):
         """Watches for what has no event: a mapping given up, an island without corners."""
         if self._doing is Doing.BOUNDARY and self.mapper.done and self.mapper.reason != "loop closed":
             self._end(self.mapper.reason, "the boundary was not closed")
-        candidate = self._candidate
         if self._doing is Doing.CROSSING and self._drive.stage is Stage.JOIN:
-            candidate.turned += context.turn
-            if abs(candidate.turned) > ROUND:
+            self._turned += context.turn
+            if abs(self._turned) > ROUND:
                 self._leave_round_wall()
-        if self._doing is not Doing.ISLAND:
-            return
-        candidate.follow(context.pose, context.turn)
-        bends = all(corner.kind == BEND for corner in self.mapper.trace.corners)
-        is_round = bends and abs(candidate.turned) > ROUND
-        if is_round or (self.mapper.done and self.mapper.reason != "loop closed"):
+        if self._doing is Doing.ISLAND and self._survey.fails(context):
+            self._survey.drop()
             self._give_up_island()
 
     # --- choosing -------------------------------------------------------------------------------------
@@ -202,12 +184,8 @@ class IslandMapper(Listener):
         self._node, self._doing = node, Doing.GOING
         self._anchor.fix(self._known(), node)
         link_islands(self.map, self._known(), self.side)
-        self._save()
+        self._survey.save()
         self._choose()
-
-    def _save(self) -> None:
-        gone, self._gone = self._gone, ([], [])
-        self.sink.rest(*gone)
 
     def _choose(self) -> None:
         assert self._scouting is not None
@@ -286,7 +264,7 @@ class IslandMapper(Listener):
         """A wall is met, and being joined: known, or an island."""
         assert self._scouting is not None
         hit = self.agent.odometry.pose
-        self._candidate.turned = 0.0
+        self._turned = 0.0
         if self._chord is not None:
             self._scouting.drove(self._chord, hit.x, hit.y)
         if not self._scouting.is_known(self._known(), hit.x, hit.y, distance):
@@ -319,91 +297,34 @@ class IslandMapper(Listener):
 
     def _begin_island(self) -> None:
         self._doing = Doing.ISLAND
-        self._new_mapper()
-        self._candidate = Candidate()
+        self._survey.begin()
 
-    def _new_mapper(self) -> None:
-        self.mapper.close()
-        self.mapper = Mapper(self.agent, self.map, self, self._mapping, self._take_corner)
-        self.mapper.meter.mismatch = self._mismatch
-
-    def _take_corner(self, event: CornerReached) -> bool:
-        """Before the mapper takes a corner: the first of an island anchors it; known ones end its mapping."""
-        self._anchor.meet(event)
-        if self._doing is not Doing.ISLAND:
-            return False
-        corner, candidate = self._anchor.at(event), self._candidate
-        if event.kind != BEND:
-            node = candidate.known_as(self.map, self._known(), corner, event)
-            if node is not None:
-                self._drop_island()
-                self._stop()
-                self._rest(node)
-                return True
-        if not self.mapper.trace.corners and candidate.place is None:
-            candidate.place = corner
-            self.mapper.heading = event.heading
-        return False
-
-    # --- sink of the mapper ------------------------------------------------------------------------------
-
-    def build(self, samples: LocalSamples, entry_heading: float) -> LocalMap:
-        """As its own sink does."""
-        return self.sink.build(samples, entry_heading)
-
-    def commit(self, node: int, corner: CornerReached) -> None:
-        """Notes where an island's first node is, and hands the node on."""
-        candidate = self._candidate
-        if self._doing is Doing.ISLAND and candidate.first is None and candidate.place is not None:
-            candidate.first = node
-            self.map.annotate(node, **{PLACE: [candidate.place.x, candidate.place.y]})
-        self.sink.commit(node, corner)
-
-    def rest(self, nodes: Sequence[int], arcs: Sequence[ArcKey]) -> None:
-        """Never called: a boundary's mapper takes nothing back."""
+    def _on_recognized(self, node: int) -> None:
+        """What was taken for an island is known: the robot stands at a node of it."""
+        self._finding = False
+        self._stop()
+        self._rest(node)
 
     def _take_island(self, closed: int) -> None:
         """Its loop is closed at node `closed`: is it new?"""
-        here, place = self.mapper.current, self._candidate.place
-        assert place is not None
-        if closed != self._candidate.first:  # corners before that were none: a crossing had met an edge of it
-            at = self.mapper.trace.poses()[self.mapper.index(closed)]
-            at = place.compose(at.x, at.y)
-            self.map.annotate(closed, **{PLACE: [at.x, at.y]})
-            self._drop(node for node in self.mapper.nodes if node < closed)
-            self._candidate.first = closed
-        known = [outline for outline in self._known() if closed not in outline.nodes]
-        island = outline_from(self.map, closed)
-        if island is None:
-            self._give_up_island()
-        elif island.turning == known[0].turning:
-            self._drop_island()
+        here = self.mapper.current
+        verdict = self._survey.judge(closed)
+        if verdict is Verdict.ISLAND:
+            self.islands += 1
+            self._rest(here)
+        elif verdict is Verdict.OUTER:
             self._localize()
-        elif any(is_same(outline, island) for outline in known[1:]):
-            self._drop_island()
+        elif verdict is Verdict.KNOWN:
             self._find_wall()
         else:
-            self.islands += 1
-            self._candidate.first = None
-            self._rest(here)
-
-    def _drop_island(self) -> None:
-        """Takes back the nodes of what is no island, or cannot be mapped."""
-        self._finding = False
-        self.mapper.stop("not an island of its own")
-        self._drop(node for node in self.mapper.nodes if node in self.map.graph)
-        self._candidate.first = None
-
-    def _drop(self, taken: Iterable[int]) -> None:
-        nodes, arcs = take_back(self.map, taken)
-        self._gone[0].extend(nodes)
-        self._gone[1].extend(arcs)
+            self._give_up_island()
 
     def _give_up_island(self) -> None:
         """It cannot be mapped: remembered as something in the way; away from it, straight."""
         assert self._scouting is not None
-        self._drop_island()
-        blind = self._candidate.outline
+        assert self._survey.candidate is not None
+        self._finding = False
+        blind = self._survey.candidate.outline
         if not any(is_same(outline, blind) for outline in self._known()[1:]):
             self._scouting.blind.append(blind)
         self._stop()
@@ -415,7 +336,7 @@ class IslandMapper(Listener):
         """Something went wrong, but path integration still knows about where: the next corner will tell."""
         self._doing, self._chord = Doing.CROSSING, None
         self._finding = True
-        self._candidate.turned = 0.0
+        self._turned = 0.0
         self._drive.stop()
         self._drive.join()
 
@@ -440,8 +361,8 @@ class IslandMapper(Listener):
             self._find_wall()
 
     def _end(self, reason: str, scouted: str) -> None:
-        if self._gone[0]:
-            self._save()
+        if self._survey.has_dropped:
+            self._survey.save()
         self.scouted, self._doing = scouted, Doing.DONE
         self._stop()
         self.finish(reason == "loop closed", self._node, reason)
