@@ -2,52 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, ClassVar, Protocol
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, ClassVar
 
 from ...maps.errors import MapError
 from ..events import Lost, NodePassed, NodeReached
-from ..listener import Listener, Outcome, TickListener
+from ..listener import Listener
 
 if TYPE_CHECKING:
     from ...maps.hybrid_map import Arc, HybridMap
     from ..agent import Agent
     from ..goals import Leg, LegDriven
-
-
-class AnyNavigator(TickListener, Protocol):
-    """What a trip needs of a navigator, whichever the profile names."""
-
-    agent: Agent
-    map: HybridMap
-    node: int
-    arrival: str
-    legs: list[LegDriven]
-    planned: tuple[Leg, ...]
-    path: list[int]
-    on_end: Callable[[Outcome], None]
-
-    @property
-    def done(self) -> bool:
-        """Whether the trip has ended."""
-
-    @property
-    def reached(self) -> bool:
-        """Whether it ended at its goal."""
-
-    @property
-    def reason(self) -> str:
-        """Why it ended; empty before."""
-
-    @property
-    def failed(self) -> Leg | None:
-        """The leg on which the last trip ended, if it can be told and did not arrive."""
-
-    def go(self, goal: int) -> None:
-        """Sets out for a node."""
-
-    def stand_at(self, node: int, arrival: str | None = None) -> None:
-        """Tells where the robot is, and the side it came by (None: it stands in the transition pose)."""
 
 
 class BaseNavigator(Listener):

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ..agent import Agent
     from ..behavior import Context
     from ..goals import Leg, LegDriven
-    from .base import AnyNavigator
+    from .base import BaseNavigator
 
 ATTEMPTS = 4
 """Ways tried to a node before a trip is given up."""
@@ -52,7 +52,7 @@ class RecoveringNavigator(Listener):
     """
 
     def __init__(
-        self, agent: Agent, hybrid_map: HybridMap, navigator: AnyNavigator, localizes: bool = True
+        self, agent: Agent, hybrid_map: HybridMap, navigator: BaseNavigator, localizes: bool = True
     ) -> None:
         """The robot stands at the navigator's node now. localizes: whether it may find out where it is."""
         super().__init__(agent)

@@ -16,7 +16,7 @@ from ...agent.islands.mapper import IslandMapper
 from ...agent.mapping.base import AnyMapper, MapSink
 from ...agent.mapping.corners import Mapper, MappingConfig
 from ...agent.mapping.published import ThesisMapper, ThesisMappingConfig
-from ...agent.navigation.base import AnyNavigator
+from ...agent.navigation.base import BaseNavigator
 from ...agent.navigation.corners import Navigator
 from ...agent.navigation.published import ThesisNavigationConfig, ThesisNavigator
 from ...maps.hybrid_map import HybridMap
@@ -204,7 +204,7 @@ def make_mapper(
 
 def make_navigator(
     profile: Profile, agent: Agent, hybrid_map: HybridMap, node: int, arrival: str | None
-) -> AnyNavigator:
+) -> BaseNavigator:
     """The navigator that the profile names, for a robot at `node` that came by side `arrival`."""
     if profile.navigator == "distance":
         config = ThesisNavigationConfig(correct=profile.correct)

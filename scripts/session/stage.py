@@ -21,7 +21,7 @@ from .truth import Observer
 
 if TYPE_CHECKING:
     from ...agent.mapping.base import AnyMapper, MapSink
-    from ...agent.navigation.base import AnyNavigator
+    from ...agent.navigation.base import BaseNavigator
     from ...maps.hybrid_map import HybridMap
     from ...world import World
     from .requests import MapRequest
@@ -222,7 +222,7 @@ class Stage:
 
     def make_navigator(
         self, robot: int, hybrid_map: HybridMap, node: int, arrival: str | None
-    ) -> AnyNavigator:
+    ) -> BaseNavigator:
         """The navigator that the profile names, for a robot at `node` that came by side `arrival`."""
         return make_navigator(self.profile, self.robot(robot), hybrid_map, node, arrival)
 
