@@ -6,8 +6,8 @@ The agent knows its robot only through `tolman.world.robot`; it never sees where
 from . import events
 from .agent import Agent, run
 from .arbitration.mediator import Candidate, Decision, Mediator, PriorityMediator
-from .behavior import Behavior, Context, NoConfig, Proposal, Transition
-from .errors import AgentError, BehaviorContractError, ConfigError, UnknownBehaviorError
+from .behavior import Behavior, Child, Context, NoConfig, Proposal, Transition
+from .errors import AgentError, BehaviorContractError, ConfigError, GoalError, UnknownBehaviorError
 from .estimation.odometry import PathIntegrator
 from .handle import Limits
 from .listener import Listener, Outcome, TickListener
@@ -19,9 +19,11 @@ __all__ = [
     "Behavior",
     "BehaviorContractError",
     "Candidate",
+    "Child",
     "ConfigError",
     "Context",
     "Decision",
+    "GoalError",
     "Limits",
     "Listener",
     "Mediator",

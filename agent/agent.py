@@ -34,6 +34,8 @@ _FAULTS = (Exception, SystemExit)
 class Agent:
     """Drives one robot: owns its behaviors, mediator, path integration and event bus.
 
+    It also makes the children of its behaviors: each with the settings of its own behavior of that name.
+
     A behavior that raises, proposes what is not a sane command, exceeds its time budget, floods the bus or
     leaks subscriptions is stopped; in that tick the wheels stand still; `BehaviorFaulted` says so. After
     `max_faults` it is disabled for the rest of the run. A mediator that breaks is replaced by priorities.
@@ -72,6 +74,9 @@ class Agent:
             self._ports[behavior.name] = BehaviorHandle(
                 behavior, self.bus, limits, self._watch, robot.geometry, self._look, seed
             )
+        configs = {name: port.behavior.config for name, port in self._ports.items()}
+        for port in self._ports.values():
+            port.behavior.adopt(configs)
         self._active: list[BehaviorHandle] = []
         self._suspended: set[str] = set()
         self._faults: dict[str, int] = {}
@@ -81,6 +86,12 @@ class Agent:
         self.driver: str | None = None
         self.command: WheelCommand = STOP
         self.proposals: Sequence[Candidate] = ()
+
+    def __repr__(self) -> str:
+        """`<Agent at 12.3 s, wall-following drives; active: obstacle-avoidance, wall-following; of 14>`."""
+        active = ", ".join(port.name for port in self._active) or "none"
+        drives = f"{self.driver or 'nobody'} drives"
+        return f"<Agent at {self.context.time:.1f} s, {drives}; active: {active}; of {len(self._ports)}>"
 
     # --- activating behaviors ------------------------------------------------------------------------
 
@@ -104,6 +115,7 @@ class Agent:
     def start(self, name: str, goal: Any = None) -> None:
         """Resets the behavior, gives it the goal and lets it take part from the next tick on.
 
+        goal: of the behavior's `Goal`, a mapping of its fields, or None where it has only defaults.
         A fault in doing so is contained like one in a tick. Raises: AgentError if it is disabled.
         """
         port = self._port(name)
@@ -118,12 +130,11 @@ class Agent:
         self._suspended.discard(name)
         try:
             with self._watch_of(port.behavior):
-                port.behavior.reset()
-                port.behavior.on_start(goal, port.context)
+                port.behavior.start(goal, port.context)
         except _FAULTS as fault:
             self._contain(port, fault)
             return
-        self.bus.publish(BehaviorStarted(time=self.context.time, behavior=name, goal=goal))
+        self.bus.publish(BehaviorStarted(time=self.context.time, behavior=name, goal=port.behavior.goal))
 
     def stop(self, name: str) -> None:
         """Takes the behavior out of arbitration; no event of success or failure follows."""
@@ -279,7 +290,7 @@ class Agent:
         self._suspended.discard(port.name)
         try:
             with self._watch_of(port.behavior):
-                port.behavior.on_stop(port.context)
+                port.behavior.stop(port.context)
         except _FAULTS as fault:
             _log.error("behavior %s raised in on_stop: %s", port.name, describe(fault))
         port.release()

@@ -7,11 +7,14 @@ import signal
 import threading
 import time
 from types import FrameType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..world.robot import WheelCommand
-from .behavior import Behavior, Proposal
+from .declarations import Proposal
 from .errors import BudgetExceededError
+
+if TYPE_CHECKING:
+    from .behavior import Behavior
 
 
 def check_proposal(proposal: Any, wildest: float) -> None:

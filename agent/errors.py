@@ -19,6 +19,10 @@ class ConfigError(AgentError, ValueError):
     """A configuration value has the wrong name, type or range."""
 
 
+class GoalError(AgentError, TypeError):
+    """A behavior was given a goal that is none of its kind."""
+
+
 class EventFloodError(AgentError, RuntimeError):
     """A behavior published more events in one tick than it may."""
 

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
+from typing import Annotated, Any
 
 from ..world.robot import Pose
+
+Side = Annotated[str, ("right", "left")]
+"""Where the wall is that a robot follows."""
 
 
 class FollowFrom(Enum):
@@ -41,7 +44,7 @@ class Follow:
     reach: m of path after which it ends beside the wall, None to follow on until it is stopped.
     """
 
-    side: str
+    side: Side
     start: FollowFrom = FollowFrom.SEARCH
     turn: float | None = None
     reach: float | None = None
@@ -58,7 +61,7 @@ class ExploreLocally:
     drift_rate: standard deviation (rad/m) of what unequal wheels may turn unnoticed.
     """
 
-    strategy: str = "rows"
+    strategy: Annotated[str, ("rows", "columns")] = "rows"
     heading: float = 0.0
     walls: tuple[tuple[float, float, float], ...] = ()
     square: bool = False
@@ -83,22 +86,14 @@ class LocalSamples:
 
 
 @dataclass(frozen=True, slots=True)
-class PlacesDriven:
-    """How local navigation went. reached: how many of the places; pose: where it ended, same frame."""
-
-    reached: int
-    pose: Pose
-
-
-@dataclass(frozen=True, slots=True)
 class ReacquireCorner:
     """Back off along the wall on `side` and come to the corner again, of that `kind`.
 
     room: how far (m) the wall just followed is known to lead back.
     """
 
-    side: str
-    kind: str
+    side: Side
+    kind: Annotated[str, ("concave", "convex")]
     room: float
 
 
@@ -174,12 +169,44 @@ class LegDriven:
 
 
 @dataclass(frozen=True, slots=True)
+class LocalBelief:
+    """What `estimation.local_filter.LocalPose` holds, so that one behavior can go on for another.
+
+    pose: x, y (m), heading (rad), local frame, drift_rate (rad/m). covariance: xx, xy, xt, yy, yt, tt;
+    drift_rate: its covariances with x, y and heading, and its variance. walls: each as normal
+    (rad), offset (m), their variances, and a vantage point's x, y (m). square: all walls stand square.
+    """
+
+    pose: tuple[float, float, float, float]
+    covariance: tuple[float, float, float, float, float, float]
+    drift_rate: tuple[float, float, float, float]
+    walls: tuple[tuple[float, float, float, float, float, float], ...] = ()
+    square: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class DrivePath:
-    """Drive through these places (m, in the frame that has the robot's pose `start`), then face `heading`."""
+    """Drive through these places (m, in the frame that has the robot's pose `start`), then face `heading`.
+
+    belief: what is known of pose and walls, in place of `start`; then the walls that the robot's turns sweep
+    correct the pose. fix: whether to look for those walls at the end, turning to and fro.
+    """
 
     places: tuple[tuple[float, float], ...]
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)
     heading: float | None = None
+    belief: LocalBelief | None = None
+    fix: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class PlacesDriven:
+    """How `DrivePath` went. reached: how many of the places; pose: where it ended, same frame; belief: what
+    is known at the end, if the goal had one."""
+
+    reached: int
+    pose: Pose
+    belief: LocalBelief | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,3 +219,39 @@ class LookAround:
 
     turn: float = 0.0
     views: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class AlignToWall:
+    """Turn in place until the wall on `side` ("right" or "left") is parallel."""
+
+    side: Side = "right"
+
+
+@dataclass(frozen=True, slots=True)
+class Foray:
+    """Drive straight across open space until a wall is near, at most `max_distance` (m).
+
+    turn: rad, counter-clockwise, to turn in place before.
+    """
+
+    turn: float = 0.0
+    max_distance: float = 3.0
+
+    def __post_init__(self) -> None:
+        """Raises: ValueError if it leads nowhere."""
+        if not self.max_distance > 0.0:
+            raise ValueError(f"max_distance must be above 0, not {self.max_distance!r}")
+
+
+@dataclass(frozen=True, slots=True)
+class Dock:
+    """Come to rest at `pose` (m, rad, path-integrated frame), trimmed by the walls that are known there.
+
+    side: where a wall is parallel to the final heading, "right", "left" or None. wall_ahead: distance (m)
+    of the center from the wall ahead in the docked pose, None where there is none.
+    """
+
+    pose: Pose
+    side: Side | None = None
+    wall_ahead: float | None = None

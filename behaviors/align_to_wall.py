@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
-from ..agent.maneuvers import AlignToWall
+from ..agent.goals import AlignToWall
 from ..agent.motion import spin_command
 from ..agent.perception.side_view import SideView
 from ..world.robot import STOP, Percept
@@ -37,7 +36,7 @@ class Aligning(Enum):
 
 
 class AlignToWallBehavior(Behavior):
-    """Turns in place until a wall is parallel. Goal: `agent.maneuvers.AlignToWall`.
+    """Turns in place until a wall is parallel. Goal: `agent.goals.AlignToWall`.
 
     Result: the remaining angle (rad) as measured last. It fails where the side and diagonal sensors see no
     wall, or where it is never within the tolerance.
@@ -52,37 +51,35 @@ class AlignToWallBehavior(Behavior):
         Transition("turn", Aligning.MEASURING, Aligning.TURNING),
         Transition("measure", Aligning.TURNING, Aligning.MEASURING),
     )
-    example_goal = AlignToWall("right")
+    Goal = AlignToWall
     config: AligningConfig
+    goal: AlignToWall
 
     def on_reset(self) -> None:
         """Forgets what was measured."""
-        self._view: SideView | None = None
         self._angles: list[float] = []
         self._seen = 0
         self._rounds = 0
         self._remaining = 0.0
 
-    def on_start(self, goal: Any, context: Context) -> None:
-        """Takes the side. Raises: TypeError for another kind of goal."""
-        if not isinstance(goal, AlignToWall):
-            raise TypeError(f"{self.name} needs an AlignToWall goal, not {goal!r}")
-        self._view = SideView(context.geometry, goal.side)
+    def on_start(self, context: Context) -> None:
+        """Looks at the goal's side."""
+        self._view = SideView(context.geometry, self.goal.side)
 
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
-        """Stands still while it measures, then turns."""
-        view = self._view
-        if view is None:
-            raise TypeError(f"{self.name} was asked before it was given an AlignToWall goal")
-        if self.state is Aligning.TURNING:
-            return self._turn(context)
+    def measuring(self, percept: Percept, context: Context) -> Proposal:
+        """Stands still until it has seen enough of the wall."""
         if context.in_control or self._seen == 0:
-            self._measure(view, percept)
+            self._measure(self._view, percept)
         if self.finished:
             return Proposal(STOP, reason=self.reason)
         if self.state is Aligning.TURNING:
-            return self._turn(context, first=True)
+            return self._spin(context)
         return Proposal(STOP, reason="measuring the wall's direction")
+
+    def turning(self, percept: Percept, context: Context) -> Proposal:
+        """Turns by what was measured."""
+        self._remaining -= context.turn
+        return self._spin(context)
 
     def _measure(self, view: SideView, percept: Percept) -> None:
         view.read(percept)
@@ -112,9 +109,7 @@ class AlignToWallBehavior(Behavior):
             self._remaining = -angle * view.sign
             self.fire("turn")
 
-    def _turn(self, context: Context, first: bool = False) -> Proposal:
-        if not first:
-            self._remaining -= context.turn
+    def _spin(self, context: Context) -> Proposal:
         if abs(self._remaining) < 0.25 * self.config.tolerance:
             self.fire("measure")
             return Proposal(STOP, reason="turned")

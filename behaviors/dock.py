@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
-from ..agent.maneuvers import Dock
+from ..agent.goals import Dock
 from ..agent.motion import drive_command, is_free, obstacles, spin_command
 from ..agent.perception.side_view import SideView
 from ..world.robot import CONTROL_PERIOD, STOP, Percept, Pose, wrap_angle
@@ -48,7 +47,7 @@ class Docking(Enum):
 
 
 class DockBehavior(Behavior):
-    """Stops at a place with a heading. Goal: `agent.maneuvers.Dock`. Result: (m, rad) trimmed by the walls.
+    """Stops at a place with a heading. Goal: `agent.goals.Dock`. Result: (m, rad) trimmed by the walls.
 
     Drives there by path integration, then takes heading and place from the wall ahead, or the heading alone
     from the wall at its side, as far as the goal says that they are there. It fails when the way is blocked.
@@ -66,12 +65,13 @@ class DockBehavior(Behavior):
         Transition("trim_turn", Docking.MEASURE, Docking.TRIM_TURN),
         Transition("trim_drive", Docking.MEASURE, Docking.TRIM_DRIVE),
     )
-    example_goal = Dock(Pose(0.05, 0.02, 0.5), side="right", wall_ahead=0.057)
+    Goal = Dock
+    example = Dock(Pose(0.05, 0.02, 0.5), side="right", wall_ahead=0.057)
     config: DockConfig
+    goal: Dock
 
     def on_reset(self) -> None:
-        """Forgets the goal and what was measured."""
-        self._goal: Dock | None = None
+        """Forgets what was measured."""
         self._remaining = 0.0
         self._rounds = 0
         self._trimmed = [0.0, 0.0]
@@ -79,39 +79,22 @@ class DockBehavior(Behavior):
         self._gaps: list[float] = []
         self._seen = 0
 
-    def on_start(self, goal: Any, context: Context) -> None:
-        """Takes the pose. Raises: TypeError for another kind of goal."""
-        if not isinstance(goal, Dock):
-            raise TypeError(f"{self.name} needs a Dock goal, not {goal!r}")
-        self._goal = goal
-
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
-        """One tick of whatever the state says."""
-        goal = self._goal
-        if goal is None:
-            raise TypeError(f"{self.name} was asked before it was given a Dock goal")
-        if self.state is Docking.AIM:
-            self._aim(goal, context)
-        if self.state is Docking.DRIVE:
-            return self._drive(goal, percept, context)
-        if self.state is Docking.MEASURE:
-            return self._measure(goal, percept, context)
-        if self.state is Docking.TRIM_DRIVE:
-            return self._trim_drive(context)
-        return self._turn(goal, context)
-
-    def _aim(self, goal: Dock, context: Context) -> None:
-        x, y = _ahead(goal, context)
+    def aim(self, percept: Percept, context: Context) -> Proposal:
+        """Turns to the place; hands over in the same tick when it is there, or faces it."""
+        x, y = self._ahead(context)
         if math.hypot(x, y) < self.config.near:
             self.fire("face")
-            return
+            return self.face(percept, context)
         self._remaining = math.atan2(y, x)
         if abs(self._remaining) < self.config.facing:
             self.fire("drive")
+            return self.drive(percept, context)
+        return self._spin(context)
 
-    def _drive(self, goal: Dock, percept: Percept, context: Context) -> Proposal:
+    def drive(self, percept: Percept, context: Context) -> Proposal:
+        """Drives to the place, steering by path integration."""
         geometry, config = context.geometry, self.config
-        x, y = _ahead(goal, context)
+        x, y = self._ahead(context)
         if x < config.near:
             self.fire("face")
             return Proposal(STOP, reason="at the place")
@@ -122,21 +105,17 @@ class DockBehavior(Behavior):
         turn_rate = 4.0 * math.atan2(y, x) if x > 0.01 else 0.0
         return Proposal(drive_command(geometry, min(config.speed, step), turn_rate), reason="driving there")
 
-    def _turn(self, goal: Dock, context: Context) -> Proposal:
-        if self.state is Docking.FACE:
-            self._remaining = wrap_angle(goal.pose.heading - context.pose.heading)
-            if abs(self._remaining) < self.config.facing:
-                self.fire("measure")
-                return Proposal(STOP, reason="facing")
-        elif self.state is Docking.TRIM_TURN:
-            self._remaining -= context.turn
-            if abs(self._remaining) < 0.3 * self.config.facing:
-                self.fire("measure")
-                return Proposal(STOP, reason="trimmed")
-        command = spin_command(context.geometry, self._remaining, self.config.turn_speed)
-        return Proposal(command, reason=f"turning: {self.state.value}")
+    def face(self, percept: Percept, context: Context) -> Proposal:
+        """Turns to the final heading."""
+        self._remaining = wrap_angle(self.goal.pose.heading - context.pose.heading)
+        if abs(self._remaining) < self.config.facing:
+            self.fire("measure")
+            return Proposal(STOP, reason="facing")
+        return self._spin(context)
 
-    def _measure(self, goal: Dock, percept: Percept, context: Context) -> Proposal:
+    def measure(self, percept: Percept, context: Context) -> Proposal:
+        """Stands still until it has seen enough of the walls, then judges how to trim."""
+        goal = self.goal
         view = SideView(context.geometry, goal.side or "right")
         view.read(percept)
         if goal.wall_ahead is not None:
@@ -151,6 +130,24 @@ class DockBehavior(Behavior):
         if self._seen >= self.config.samples:
             self._judge()
         return Proposal(STOP, reason="measuring the walls")
+
+    def trim_turn(self, percept: Percept, context: Context) -> Proposal:
+        """Turns by what was measured."""
+        self._remaining -= context.turn
+        if abs(self._remaining) < 0.3 * self.config.facing:
+            self.fire("measure")
+            return Proposal(STOP, reason="trimmed")
+        return self._spin(context)
+
+    def trim_drive(self, percept: Percept, context: Context) -> Proposal:
+        """Drives ahead or back by what was measured."""
+        self._remaining -= context.distance
+        if abs(self._remaining) < 0.2 * self.config.near:
+            self.fire("measure")
+            return Proposal(STOP, reason="trimmed")
+        step = self._remaining / (context.geometry.distance_per_step * CONTROL_PERIOD)
+        speed = max(-self.config.speed, min(self.config.speed, step))
+        return Proposal(drive_command(context.geometry, speed, 0.0), reason="trimming the distance ahead")
 
     def _judge(self) -> None:
         config = self.config
@@ -170,17 +167,11 @@ class DockBehavior(Behavior):
             self._trimmed[0] += self._remaining
             self.fire("trim_drive")
 
-    def _trim_drive(self, context: Context) -> Proposal:
-        self._remaining -= context.distance
-        if abs(self._remaining) < 0.2 * self.config.near:
-            self.fire("measure")
-            return Proposal(STOP, reason="trimmed")
-        step = self._remaining / (context.geometry.distance_per_step * CONTROL_PERIOD)
-        speed = max(-self.config.speed, min(self.config.speed, step))
-        return Proposal(drive_command(context.geometry, speed, 0.0), reason="trimming the distance ahead")
+    def _spin(self, context: Context) -> Proposal:
+        command = spin_command(context.geometry, self._remaining, self.config.turn_speed)
+        return Proposal(command, reason=f"turning: {self.state.value}")
 
-
-def _ahead(goal: Dock, context: Context) -> tuple[float, float]:
-    """Where the place is, robot frame (m)."""
-    place = context.pose.relative(goal.pose)
-    return place.x, place.y
+    def _ahead(self, context: Context) -> tuple[float, float]:
+        """Where the place is, robot frame (m)."""
+        place = context.pose.relative(self.goal.pose)
+        return place.x, place.y

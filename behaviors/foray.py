@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
-from ..agent.maneuvers import Foray
+from ..agent.goals import Foray
 from ..agent.motion import drive_command, spin_command
 from ..world.robot import (
     LEFT,
@@ -49,7 +47,7 @@ class Foraying(Enum):
 
 
 class ForayBehavior(Behavior):
-    """Drives straight until a wall is near. Goal: `agent.maneuvers.Foray`. Result: the distance driven (m).
+    """Drives straight until a wall is near. Goal: `agent.goals.Foray`. Result: the distance driven (m).
 
     The heading is kept by path integration. It fails if no wall comes within the goal's distance.
     """
@@ -63,49 +61,49 @@ class ForayBehavior(Behavior):
         Transition("cross", Foraying.TURNING, Foraying.CROSSING),
         Transition("arrive", Foraying.CROSSING, Foraying.ARRIVED),
     )
-    example_goal = Foray(turn=0.5)
+    Goal = Foray
     config: ForayConfig
+    goal: Foray
 
     def on_reset(self) -> None:
-        """Forgets the goal."""
-        self._goal: Foray | None = None
+        """Forgets the heading and how far it has come."""
         self._heading: float | None = None
         self._driven = 0.0
 
-    def on_start(self, goal: Any, context: Context) -> None:
-        """Takes the goal. Raises: TypeError for another kind of goal, ValueError if it leads nowhere."""
-        if not isinstance(goal, Foray):
-            raise TypeError(f"{self.name} needs a Foray goal, not {goal!r}")
-        if not (math.isfinite(goal.turn) and goal.max_distance > 0.0):
-            raise ValueError(f"{self.name}: turn must be finite and max_distance > 0, not {goal!r}")
-        self._goal = goal
+    def turning(self, percept: Percept, context: Context) -> Proposal:
+        """Turns in place to the heading of the crossing."""
+        deviation = self._deviation(context)
+        if abs(deviation) > 0.01:
+            command = spin_command(context.geometry, deviation, self.config.turn_speed)
+            return Proposal(command, reason="turning to the heading of the foray")
+        self.fire("cross")
+        return self._cross(percept, context)
 
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
-        """Turns, then drives, then stands."""
-        goal = self._goal
-        if goal is None:
-            raise TypeError(f"{self.name} was asked before it was given a Foray goal")
+    def crossing(self, percept: Percept, context: Context) -> Proposal:
+        """Drives straight until a wall is near or the goal's distance is over."""
+        self._driven += context.distance
+        return self._cross(percept, context)
+
+    def arrived(self, percept: Percept, context: Context) -> Proposal:
+        """Stands at the wall."""
+        return Proposal(STOP, reason="arrived at a wall")
+
+    def _deviation(self, context: Context) -> float:
         if self._heading is None:
-            self._heading = wrap_angle(context.pose.heading + goal.turn)
-        deviation = wrap_angle(self._heading - context.pose.heading)
-        if self.state is Foraying.TURNING:
-            if abs(deviation) > 0.01:
-                command = spin_command(context.geometry, deviation, self.config.turn_speed)
-                return Proposal(command, reason="turning to the heading of the foray")
-            self.fire("cross")
-        elif self.state is Foraying.CROSSING:
-            self._driven += context.distance
-        return self._cross(goal, deviation, percept, context)
+            self._heading = wrap_angle(context.pose.heading + self.goal.turn)
+        return wrap_angle(self._heading - context.pose.heading)
 
-    def _cross(self, goal: Foray, deviation: float, percept: Percept, context: Context) -> Proposal:
+    def _cross(self, percept: Percept, context: Context) -> Proposal:
         if self._wall_near(percept, context):
             self.fire("arrive")
             self.finish(True, "a wall is near", result=self._driven)
             return Proposal(STOP, reason="arrived at a wall")
-        if self._driven >= goal.max_distance:
-            self.finish(False, f"no wall within {goal.max_distance:g} m", result=self._driven)
+        most = self.goal.max_distance
+        if self._driven >= most:
+            self.finish(False, f"no wall within {most:g} m", result=self._driven)
             return Proposal(STOP, reason="nothing found")
-        command = drive_command(context.geometry, self.config.speed, self.config.heading_gain * deviation)
+        turn_rate = self.config.heading_gain * self._deviation(context)
+        command = drive_command(context.geometry, self.config.speed, turn_rate)
         return Proposal(command, reason="crossing open space")
 
     def _wall_near(self, percept: Percept, context: Context) -> bool:

@@ -6,7 +6,6 @@ import math
 from collections import deque
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
 from ..agent.events import Freed, Stuck
@@ -19,7 +18,7 @@ class FreeingConfig:
 
     turn: rad, the same for turning in place. near: m from the rim; only what is nearer tells. change: share
     by which an infrared value must change to count as moving. back: m to back up. speed: steps/s.
-    attempts: until it gives up. rest: s without trouble after which the count starts anew. tilt: deg.
+    attempts: until it gives up. rest: s without trouble after which the count starts again. tilt: deg.
     """
 
     window: float = 2.0
@@ -60,9 +59,9 @@ class _Moment:
 class FreeItself(Behavior):
     """Works a stuck robot loose: backs up, turns at random. Publishes `Stuck`, then `Freed` or gives up.
 
-    Suspicious is a window in which the wheels drove straight while something near ahead (behind, when
-    backing) stayed where it is, or turned while everything near stayed. Beside a long wall nothing ahead is
-    near, so following one is not suspected. A robot tilted by `tilt` is given up at once.
+    It suspects that it is stuck when, within the window, the wheels drove straight and something near ahead
+    (behind, when backing) stayed where it is, or the wheels turned and everything near stayed. Beside a long
+    wall nothing ahead is near, so following one is not suspected. A robot tilted by `tilt` gives up at once.
     """
 
     name = "free-itself"
@@ -91,20 +90,17 @@ class FreeItself(Behavior):
         self._last_attempt = -math.inf
         self._tilted = 0
 
-    def on_start(self, goal: Any, context: Context) -> None:
-        """Needs no goal."""
-
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
-        """None unless it is working loose."""
+    def on_tick(self, percept: Percept, context: Context) -> None:
+        """Counts what the wheels say was driven and turned."""
         self._driven += context.distance
         self._turned += context.turn
-        if self.state is Freeing.BACKING:
-            return self._back(context)
-        if self.state is Freeing.TURNING:
-            return self._turn(context)
-        return self._watch(percept, context)
 
-    def _watch(self, percept: Percept, context: Context) -> Proposal | None:
+    def given_up(self, percept: Percept, context: Context) -> Proposal | None:
+        """Has nothing to say any more."""
+        return None
+
+    def watching(self, percept: Percept, context: Context) -> Proposal | None:
+        """Silent while what the wheels say and what is sensed fit together; else begins to work loose."""
         window, now = self._window, context.time
         self._tilted = self._tilted + 1 if self._is_tilted(percept) else 0
         if self._tilted >= _TILTED_TICKS:
@@ -121,7 +117,7 @@ class FreeItself(Behavior):
             return None
         if self._attempts >= self.config.attempts:
             return self._give_up(context, f"{reason}; {self._attempts} attempts in vain")
-        return self._begin(context, reason, self._driven - first.driven)
+        return self._begin(percept, context, reason, self._driven - first.driven)
 
     def _is_tilted(self, percept: Percept) -> bool:
         x, y, z = percept.accelerometer
@@ -147,7 +143,7 @@ class FreeItself(Behavior):
         values = [moment.infrared[sensor] for moment in self._window]
         return max(values) - min(values) > self.config.change * max(values)
 
-    def _begin(self, context: Context, reason: str, driven: float) -> Proposal:
+    def _begin(self, percept: Percept, context: Context, reason: str, driven: float) -> Proposal:
         context.publish(Stuck(time=context.time, reason=reason))
         self._attempts += 1
         self._last_attempt = context.time
@@ -157,9 +153,10 @@ class FreeItself(Behavior):
         self._side = 1.0 if context.rng.random() < 0.5 else -1.0
         self._until = context.time + 4.0
         self.fire("stuck")
-        return self._back(context)
+        return self.backing(percept, context)
 
-    def _back(self, context: Context) -> Proposal:
+    def backing(self, percept: Percept, context: Context) -> Proposal:
+        """Backs up, away from where it was driving, farther with each attempt."""
         self._left -= abs(context.distance)
         if self._left <= 0.0 or context.time > self._until:
             self._left = float(context.rng.uniform(0.5, 1.5))
@@ -169,7 +166,8 @@ class FreeItself(Behavior):
         # Not quite straight: a shell that is wedged comes loose more easily in a curve.
         return Proposal(WheelCommand(speed, speed * 0.8), reason=f"stuck: attempt {self._attempts}")
 
-    def _turn(self, context: Context) -> Proposal:
+    def turning(self, percept: Percept, context: Context) -> Proposal:
+        """Turns in place by a random angle."""
         self._left -= abs(context.turn)
         if self._left <= 0.0 or context.time > self._until:
             self.fire("tried")

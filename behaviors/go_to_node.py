@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
+from typing import ClassVar
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
 from ..agent.boundary.trace import BEND, BLUNT
@@ -56,85 +56,86 @@ class GoToNode(Behavior):
     Config = GoToNodeConfig
     transitions = (
         Transition("turn", (Going.DEPART, Going.FOLLOW), Going.TURN),
-        Transition("follow", (Going.DEPART, Going.TURN), Going.FOLLOW),
+        Transition("follow", (Going.DEPART, Going.TURN, Going.FOLLOW), Going.FOLLOW),
         Transition("face", (Going.DEPART, Going.FOLLOW), Going.FACE),
     )
+    Goal = GoAlong
+    example = GoAlong((Leg(0, 1, "right", 0.3, "concave", 0.0, FollowFrom.WALL),))
+    children: ClassVar = {"follower": WallFollowing}
     config: GoToNodeConfig
+    goal: GoAlong
+    follower: WallFollowing
 
     def on_reset(self) -> None:
         """Forgets the path."""
-        self._legs: list[Leg] = []
         self._driven: list[LegDriven] = []
-        self._face = 0.0
         self._remaining = 0.0
         self._path = 0.0
         self._heard: CornerReached | None = None
-        self._follower = WallFollowing()
-        self._follower.emit = self._hear  # type: ignore[method-assign]
 
-    def on_start(self, goal: Any, context: Context) -> None:
-        """Takes a `GoAlong` goal. Raises: TypeError for anything else."""
-        if not isinstance(goal, GoAlong):
-            raise TypeError(f"{self.name} needs a GoAlong goal, not {goal!r}")
-        self._legs = list(goal.legs)
-        self._face = goal.face
+    def on_start(self, context: Context) -> None:
+        """Takes the legs from the goal."""
+        self._legs = list(self.goal.legs)
 
-    def propose(self, percept: Percept, context: Context) -> Proposal:
-        """One tick of navigation."""
-        if self.state is Going.FACE:
-            return Proposal(self._turn_to_face(context), 1.0, "facing")
-        if not self._legs:
-            self._remaining = self._face
-            self.fire("face")
-            return Proposal(STOP, 1.0, "arrived")
-        if self.state is Going.DEPART:
-            self._depart(context)
+    def on_child_event(self, child: Behavior, event: Event, context: Context) -> None:
+        """Hears of corners, and passes everything on."""
+        context.publish(event)
+        if isinstance(event, CornerReached):
+            self._heard = event
+
+    def depart(self, percept: Percept, context: Context) -> Proposal:
+        """Stands for a tick before the first leg."""
+        if self._legs:
+            self._depart()
             return Proposal(STOP, 1.0, "departing")
-        if self.state is Going.TURN:
-            return Proposal(self._turn(context), 1.0, "turning")
-        return self._follow(percept, context)
+        self._remaining = self.goal.face
+        self.fire("face")
+        return Proposal(STOP, 1.0, "arrived")
 
-    def _depart(self, context: Context) -> None:
+    def turn(self, percept: Percept, context: Context) -> Proposal:
+        """Turns in place to where the leg leads."""
+        command = self._turn(context)
+        if command is None:
+            self.fire("follow")
+        return Proposal(command or STOP, 1.0, "turning")
+
+    def face(self, percept: Percept, context: Context) -> Proposal:
+        """Turns in place to where it is to face in the end."""
+        command = self._turn(context)
+        if command is None:
+            self.finish(True, "arrived", tuple(self._driven))
+        return Proposal(command or STOP, 1.0, "facing")
+
+    def on_enter_follow(self, context: Context) -> None:
+        """Begins to follow a wall, unless the leg goes on through the corner at hand."""
+        leg = self._legs[0]
+        if leg.turn or leg.start is not None:
+            self.follower.start(Follow(leg.side, leg.start or FollowFrom.WALL, leg.bend), context)
+
+    def _depart(self) -> None:
         leg = self._legs[0]
         # An arc that ended between corners leaves the follower with a piece of the next one behind it.
-        self._path = 0.0 if leg.start is not None else -self._follower.path
-        if leg.turn:
-            self._remaining = leg.turn
-            self.fire("turn")
-            return
-        if leg.start is not None:
-            self._begin_follow(leg, context)
-        if self.state is not Going.FOLLOW:
-            self.fire("follow")
+        self._path = 0.0 if leg.start is not None else -self.follower.path
+        self._remaining = leg.turn
+        self.fire("turn" if leg.turn else "follow")
 
-    def _turn(self, context: Context) -> WheelCommand:
+    def _turn(self, context: Context) -> WheelCommand | None:
+        """One tick of turning in place, None when it is over."""
         self._remaining -= context.turn
         if abs(self._remaining) > 0.004:
             return spin_command(context.geometry, self._remaining, self.config.turn_speed)
-        self._begin_follow(self._legs[0], context)
-        self.fire("follow")
-        return STOP
+        return None
 
-    def _turn_to_face(self, context: Context) -> WheelCommand:
-        self._remaining -= context.turn
-        if abs(self._remaining) > 0.004:
-            return spin_command(context.geometry, self._remaining, self.config.turn_speed)
-        self.finish(True, "arrived", tuple(self._driven))
-        return STOP
-
-    def _begin_follow(self, leg: Leg, context: Context) -> None:
-        self._follower.reset()
-        self._follower.on_start(Follow(leg.side, leg.start or FollowFrom.WALL, leg.bend), context)
-
-    def _follow(self, percept: Percept, context: Context) -> Proposal:
+    def follow(self, percept: Percept, context: Context) -> Proposal | None:
+        """Follows the wall to the end of the leg: its corner, or its length where no corner is known."""
         leg = self._legs[0]
-        proposal = self._follower.propose(percept, context)
+        proposal = self.follower.propose(percept, context)
         corner, self._heard = self._heard, None
         if corner is not None:
             self._path += corner.path_length
             if self.config.recognize and corner.kind != BEND:
                 return self._meet(corner, leg, context) or proposal
-        path = self._path + self._follower.path
+        path = self._path + self.follower.path
         if leg.corner == "none" or not self.config.recognize:
             return proposal if path < leg.distance else self._pass(leg, path, context)
         gate = self._gate(leg.distance)
@@ -196,15 +197,10 @@ class GoToNode(Behavior):
         context.publish(NodePassed(time=context.time, node=leg.target))
         self._legs.pop(0)
         if self._legs:
-            self._depart(context)
+            self._depart()
         else:
-            self._remaining = wrap_angle(self._face - self._follower.skew)
+            self._remaining = wrap_angle(self.goal.face - self.follower.skew)
             self.fire("face")
 
     def _give_up(self, reason: str) -> None:
         self.finish(False, reason, tuple(self._driven))
-
-    def _hear(self, event: Event, context: Context) -> None:
-        context.publish(event)
-        if isinstance(event, CornerReached):
-            self._heard = event

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
 
 import numpy as np
 
@@ -47,29 +46,21 @@ class LookAroundBehavior(Behavior):
         Transition("there", Looking.TURN, Looking.LOOK),
         Transition("next", Looking.LOOK, Looking.TURN),
     )
-    example_goal = LookAround()
+    Goal = LookAround
     config: LookAroundConfig
+    goal: LookAround
 
     def on_reset(self) -> None:
         """Forgets what it saw."""
-        self._remaining = 0.0
-        self._wanted = 0
         self._views: list[Image] = []
 
-    def on_start(self, goal: Any, context: Context) -> None:
-        """Takes a `LookAround` goal. Raises: TypeError for anything else."""
-        if not isinstance(goal, LookAround):
-            raise TypeError(f"{self.name} needs a LookAround goal, not {goal!r}")
-        self._remaining = goal.turn
-        self._wanted = _DIRECTIONS if goal.views else 0
+    def on_start(self, context: Context) -> None:
+        """Takes how far to turn from the goal."""
+        self._remaining = self.goal.turn
+        self._wanted = _DIRECTIONS if self.goal.views else 0
 
-    def propose(self, percept: Percept, context: Context) -> Proposal:
-        """One tick of turning, or one look."""
-        if self.state is Looking.LOOK:
-            self._views.append(context.look())
-            self._remaining += 0.5 * math.pi
-            self.fire("next")
-            return Proposal(STOP, 1.0, "looking")
+    def turn(self, percept: Percept, context: Context) -> Proposal:
+        """Turns toward the next direction; the last is the one it began with."""
         self._remaining -= context.turn
         if abs(self._remaining) > self.config.tolerance:
             command = spin_command(context.geometry, self._remaining, self.config.turn_speed)
@@ -80,3 +71,10 @@ class LookAroundBehavior(Behavior):
             views = np.array(self._views, dtype=np.float32) if self._wanted else None
             self.finish(True, f"{len(self._views)} views", views)
         return Proposal(STOP, 1.0, "there")
+
+    def look(self, percept: Percept, context: Context) -> Proposal:
+        """Takes one image."""
+        self._views.append(context.look())
+        self._remaining += 0.5 * math.pi
+        self.fire("next")
+        return Proposal(STOP, 1.0, "looking")

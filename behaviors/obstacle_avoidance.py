@@ -14,7 +14,6 @@ from ..world.robot import (
     RIGHT_DIAGONAL,
     RIGHT_FRONT,
     Percept,
-    RobotGeometry,
     WheelCommand,
 )
 
@@ -70,50 +69,50 @@ class ObstacleAvoidance(Behavior):
     Config = ObstacleAvoidanceConfig
     restarts = True
 
-    def on_reset(self) -> None:
-        """Forgets the thresholds: another robot may follow."""
-        self._limits: tuple[float, float, float, float] | None = None
+    def on_start(self, context: Context) -> None:
+        """Thresholds of the infrared values, (front, diagonal): where the reflex begins and where it ends."""
+        geometry, config = context.geometry, self.config
+        front, diagonal = config.front * config.release, config.diagonal * config.release
+        self._begin = raw_value(geometry, config.front), raw_value(geometry, config.diagonal)
+        self._end = raw_value(geometry, front), raw_value(geometry, diagonal)
 
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
-        """None while nothing is too near; else a turn in place."""
-        limits = self._limits
-        if limits is None:
-            limits = self._limits = self._thresholds(context.geometry)
+    def clear(self, percept: Percept, context: Context) -> Proposal | None:
+        """Silent while nothing is too near; else begins to turn away from it."""
         infrared = percept.infrared
-        clear = self.state is self.States.CLEAR
-        front, diagonal = limits[:2] if clear else limits[2:]
-        near = (
-            infrared[RIGHT_FRONT] > front
-            or infrared[LEFT_FRONT] > front
-            or infrared[RIGHT_DIAGONAL] > diagonal
-            or infrared[LEFT_DIAGONAL] > diagonal
-        )
-        if not near:
-            if not clear:
-                self.fire("cleared")
+        if not _is_near(infrared, self._begin):
             return None
-        if clear and abs(context.turn) > _SPIN * abs(context.distance):
+        if abs(context.turn) > _SPIN * abs(context.distance):
             # Another behavior turns in place: a round robot hits nothing by that, and wants to finish.
             return None
-        drive = weighted(infrared) * self.config.gain
-        if clear:
-            self.fire("obstacle_on_left" if drive > 0.0 else "obstacle_on_right")
-        return Proposal(self._turn(abs(drive)), 1.0, "too close ahead")
+        self.fire("obstacle_on_left" if weighted(infrared) * self.config.gain > 0.0 else "obstacle_on_right")
+        return self._turn(infrared)
 
-    def _turn(self, drive: float) -> WheelCommand:
+    def turning_left(self, percept: Percept, context: Context) -> Proposal | None:
+        """Turns left until there is room ahead, and some to spare."""
+        if _is_near(percept.infrared, self._end):
+            return self._turn(percept.infrared)
+        self.fire("cleared")
+        return None
+
+    def turning_right(self, percept: Percept, context: Context) -> Proposal | None:
+        """The same, to the right."""
+        return self.turning_left(percept, context)
+
+    def _turn(self, infrared: Sequence[float]) -> Proposal:
+        drive = abs(weighted(infrared) * self.config.gain)
         speed = max(self.config.least, min(self.config.speed, drive))
-        if self.state is self.States.TURNING_LEFT:
-            return WheelCommand(-speed, speed)
-        return WheelCommand(speed, -speed)
+        left = -speed if self.state is self.States.TURNING_LEFT else speed
+        return Proposal(WheelCommand(left, -left), 1.0, "too close ahead")
 
-    def _thresholds(self, geometry: RobotGeometry) -> tuple[float, float, float, float]:
-        config = self.config
-        return (
-            raw_value(geometry, config.front),
-            raw_value(geometry, config.diagonal),
-            raw_value(geometry, config.front * config.release),
-            raw_value(geometry, config.diagonal * config.release),
-        )
+
+def _is_near(infrared: Sequence[float], limits: tuple[float, float]) -> bool:
+    front, diagonal = limits
+    return (
+        infrared[RIGHT_FRONT] > front
+        or infrared[LEFT_FRONT] > front
+        or infrared[RIGHT_DIAGONAL] > diagonal
+        or infrared[LEFT_DIAGONAL] > diagonal
+    )
 
 
 def weighted(infrared: Sequence[float]) -> float:

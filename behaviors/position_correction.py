@@ -9,14 +9,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
+from typing import ClassVar
 
-from ..agent.behavior import Behavior, Context, Proposal, Transition
+from ..agent.behavior import Behavior, Child, Context, Proposal, Transition
 from ..agent.events import CornerReached, Event
 from ..agent.goals import Follow, FollowFrom, ReacquireCorner
 from ..agent.motion import drive_command, is_free, obstacles, spin_command
 from ..agent.perception.side_view import SideView, WallFilter
-from ..world.robot import STOP, Percept, WheelCommand
+from ..world.robot import STOP, Percept
 from .wall_following import WallFollowing
 
 _CORNER = 0.008
@@ -76,75 +76,142 @@ class PositionCorrection(Behavior):
         Transition("far_enough", Correcting.BACK, Correcting.MEASURE_AGAIN),
         Transition("measured_again", Correcting.MEASURE_AGAIN, Correcting.TURN_AGAIN),
         Transition("follow", (Correcting.MEASURE_AGAIN, Correcting.TURN_AGAIN), Correcting.FOLLOW),
-        Transition("try_again", Correcting.FOLLOW, Correcting.BACK),
+        Transition("try_again", Correcting.FOLLOW, Correcting.BACK, when="may_try_again"),
     )
+    Goal = ReacquireCorner
+    example = ReacquireCorner("right", "concave", 0.3)
+    children: ClassVar = {
+        "follower": Child(
+            WallFollowing, angle_gain=3.0, distance_gain=60.0, lost_range=_FAR, advance_trim=_LATE
+        )
+    }
     config: PositionCorrectionConfig
+    goal: ReacquireCorner
+    follower: WallFollowing
 
     def on_reset(self) -> None:
         """Forgets the corner."""
-        self._goal: ReacquireCorner | None = None
-        self._view: SideView | None = None
         self._angles: list[float] = []
         self._ticks = 0
         self._remaining = 0.0
         self._backed = 0.0
         self._path = 0.0
-        self._again = False
-        self._follower = WallFollowing(
-            angle_gain=3.0, distance_gain=60.0, lost_range=_FAR, advance_trim=_LATE
-        )
-        self._follower.emit = self._hear  # type: ignore[method-assign]
-        self._wall = WallFilter(self._follower.config.distance, 0.0, 0.03)
+        self._tries = 0
+        self._wall = WallFilter(self.follower.config.distance, 0.0, 0.03)
         self._heard: CornerReached | None = None
 
-    def on_start(self, goal: Any, context: Context) -> None:
-        """Takes a `ReacquireCorner` goal. Raises: TypeError for anything else."""
-        if not isinstance(goal, ReacquireCorner):
-            raise TypeError(f"{self.name} needs a ReacquireCorner goal, not {goal!r}")
-        self._goal = goal
-        self._view = SideView(context.geometry, goal.side)
+    def on_start(self, context: Context) -> None:
+        """Looks at the goal's side."""
+        self._view = SideView(context.geometry, self.goal.side)
 
-    def propose(self, percept: Percept, context: Context) -> Proposal:
-        """One tick of correcting."""
-        assert self._view is not None
+    def on_child_event(self, child: Behavior, event: Event, context: Context) -> None:
+        """Keeps the corners to itself: they are not new ones."""
+        if isinstance(event, CornerReached):
+            self._heard = event
+
+    def on_tick(self, percept: Percept, context: Context) -> None:
+        """Takes in what the sensors at the side say."""
         self._view.read(percept)
-        state = self.state
-        if state is Correcting.MEASURE or state is Correcting.MEASURE_AGAIN:
-            command = self._measure(context)
-        elif state is Correcting.TURN or state is Correcting.TURN_AGAIN:
-            command = self._turn(context)
-        elif state is Correcting.BACK:
-            command = self._back(percept, context)
-        else:
-            return self._follow(percept, context)
-        return Proposal(command, 1.0, state.value)
 
-    def _measure(self, context: Context) -> WheelCommand:
+    def measure(self, percept: Percept, context: Context) -> Proposal:
         """Stands and averages the direction of the wall at the side, if it sees one."""
-        assert self._view is not None
-        again = self.state is Correcting.MEASURE_AGAIN
+        if self._has_measured(seen=self.goal.kind != "convex"):
+            angle = self._mean_angle()
+            self._remaining = -self._view.sign * (angle or 0.0)
+            self.fire("back" if angle is None else "measured")
+        return self.proposal(STOP)
+
+    def turn(self, percept: Percept, context: Context) -> Proposal:
+        """Turns parallel to the wall."""
+        return self._turn(context, then="back")
+
+    def back(self, percept: Percept, context: Context) -> Proposal:
+        """Backwards along the wall, keeping its distance where it is seen and the heading where it is not."""
+        geometry, view, wall = context.geometry, self._view, self._wall
+        self._backed -= context.distance
+        wall.predict(context.distance, context.turn * view.sign)
+        line = self._side_wall(view)
+        if line is not None:
+            wall.correct(line)
+        unseen = self.follower.config.distance if self.goal.kind == "convex" else 0.0
+        room = min(self.config.back_off + unseen, self.goal.room)
+        blocked = not is_free(obstacles(percept, geometry), geometry, -0.01, self.config.margin)
+        if self._backed - self._path >= room or blocked:
+            self.fire("far_enough")
+            return self.proposal(STOP)
+        slant = max(-0.2, min(0.2, 6.0 * (wall.distance - self.follower.config.distance)))
+        turn_rate = 3.0 * max(-0.3, min(0.3, slant - wall.angle))
+        return self.proposal(drive_command(geometry, -self.config.speed, turn_rate * view.sign))
+
+    def measure_again(self, percept: Percept, context: Context) -> Proposal:
+        """The same as at first, farther back, where the wall is well in view."""
+        if self._has_measured(seen=True):
+            angle = self._mean_angle()
+            if angle is None:
+                self.fire("follow")
+                return self.proposal(STOP)
+            if self._wall.samples >= _WELL_KNOWN and abs(angle - self._wall.angle) > _ODD:
+                # Part of a sensor's cone misses the wall here; on the way back it was seen well.
+                angle = self._wall.angle
+            self._remaining = -self._view.sign * angle
+            self.fire("measured_again")
+        return self.proposal(STOP)
+
+    def turn_again(self, percept: Percept, context: Context) -> Proposal:
+        """Turns parallel to the wall."""
+        return self._turn(context, then="follow")
+
+    def on_enter_follow(self, context: Context) -> None:
+        """Begins at the wall, or before it where it is not seen yet."""
+        beside = self._view.side < self.follower.config.lost_range
+        start = FollowFrom.WALL if beside else FollowFrom.GAP
+        self.follower.start(Follow(self.goal.side, start), context)
+        if beside and self._view.side_wall() is None:
+            self.follower.expect(context.geometry.body_radius + self._view.side)
+
+    def follow(self, percept: Percept, context: Context) -> Proposal | None:
+        """Follows the wall to its corner, and judges whether it is the one."""
+        self._path += context.distance
+        proposal = self.follower.propose(percept, context)
+        corner = self._heard
+        if corner is not None:
+            self._heard = None
+            if corner.kind == self.goal.kind and abs(self._path - self._backed) <= self.config.tolerance:
+                self.finish(True, f"at the {corner.kind} corner again", corner)
+                return Proposal(STOP, 1.0, "arrived")
+            if corner.kind == self.goal.kind and self.may_try_again():
+                return self._try_again()
+            self.finish(False, f"met a {corner.kind} corner after {self._path:.3f} m instead", corner)
+            return Proposal(STOP, 1.0, "another corner")
+        if self._path > self._backed + self.config.tolerance:
+            self.finish(False, f"no corner within {self._path:.3f} m", None)
+            return Proposal(STOP, 1.0, "no corner")
+        return proposal
+
+    def may_try_again(self) -> bool:
+        """Whether it has not backed off a second time yet."""
+        return self._tries == 0
+
+    def _try_again(self) -> Proposal:
+        """The wall was lost, not at its end: backs off once more, with what following has learned of it."""
+        skew = self._view.sign * self.follower.skew
+        self._wall = WallFilter(self.follower.config.distance, skew, 0.1)
+        self.fire("try_again")
+        self._tries += 1
+        return Proposal(STOP, 1.0, "once more")
+
+    def _has_measured(self, seen: bool) -> bool:
+        """Takes one more look at the wall at the side, if it can be `seen`; whether that is enough."""
         wall = self._side_wall(self._view)
         self._ticks += 1
-        hidden = not again and self._goal is not None and self._goal.kind == "convex"
-        if wall is not None and not hidden and abs(wall[1]) < math.radians(25.0):
+        if wall is not None and seen and abs(wall[1]) < math.radians(25.0):
             self._angles.append(wall[1])
-        if self._ticks < self.config.samples:
-            return STOP
-        seen = len(self._angles) >= self.config.samples // 2
-        mean = sum(self._angles) / len(self._angles) if seen else 0.0
-        if again and self._wall.samples >= _WELL_KNOWN and abs(mean - self._wall.angle) > _ODD:
-            # Part of a sensor's cone misses the wall here; on the way back it was seen well.
-            mean = self._wall.angle
-        self._remaining = -self._view.sign * mean
-        self._angles.clear()
-        self._ticks = 0
-        if again:
-            self.fire("measured_again" if seen else "follow")
-            if not seen:
-                self._begin_follow(context)
-        else:
-            self.fire("measured" if seen else "back")
-        return STOP
+        return self._ticks >= self.config.samples
+
+    def _mean_angle(self) -> float | None:
+        """The wall's direction (rad), None if it was seen too seldom. The next measurement begins."""
+        angles, self._angles, self._ticks = self._angles, [], 0
+        return sum(angles) / len(angles) if len(angles) >= max(1, self.config.samples // 2) else None
 
     def _side_wall(self, view: SideView) -> tuple[float, float] | None:
         """The wall at the side; None where the diagonal sensor hits the wall ahead, as in a corner."""
@@ -155,73 +222,9 @@ class PositionCorrection(Behavior):
         ahead = (geometry.body_radius + view.diagonal) * math.cos(geometry.infrared_angles[1])
         return wall if ahead < front[0] - _CORNER else None
 
-    def _turn(self, context: Context) -> WheelCommand:
+    def _turn(self, context: Context, then: str) -> Proposal:
         self._remaining -= context.turn
         if abs(self._remaining) > 0.004:
-            return spin_command(context.geometry, self._remaining, self.config.turn_speed)
-        if self.state is Correcting.TURN:
-            self.fire("back")
-        else:
-            self.fire("follow")
-            self._begin_follow(context)
-        return STOP
-
-    def _back(self, percept: Percept, context: Context) -> WheelCommand:
-        """Backwards along the wall, keeping its distance where it is seen and the heading where it is not."""
-        assert self._goal is not None
-        assert self._view is not None
-        geometry, view, wall = context.geometry, self._view, self._wall
-        self._backed -= context.distance
-        wall.predict(context.distance, context.turn * view.sign)
-        line = self._side_wall(view)
-        if line is not None:
-            wall.correct(line)
-        unseen = self._follower.config.distance if self._goal.kind == "convex" else 0.0
-        room = min(self.config.back_off + unseen, self._goal.room)
-        blocked = not is_free(obstacles(percept, geometry), geometry, -0.01, self.config.margin)
-        if self._backed - self._path >= room or blocked:
-            self.fire("far_enough")
-            return STOP
-        slant = max(-0.2, min(0.2, 6.0 * (wall.distance - self._follower.config.distance)))
-        turn_rate = 3.0 * max(-0.3, min(0.3, slant - wall.angle))
-        return drive_command(geometry, -self.config.speed, turn_rate * view.sign)
-
-    def _begin_follow(self, context: Context) -> None:
-        assert self._goal is not None
-        self._follower.reset()
-        beside = self._view is not None and self._view.side < self._follower.config.lost_range
-        start = FollowFrom.WALL if beside else FollowFrom.GAP
-        self._follower.on_start(Follow(self._goal.side, start), context)
-        if beside and self._view is not None and self._view.side_wall() is None:
-            self._follower.expect(context.geometry.body_radius + self._view.side)
-
-    def _follow(self, percept: Percept, context: Context) -> Proposal:
-        assert self._goal is not None
-        self._path += context.distance
-        proposal = self._follower.propose(percept, context)
-        corner = self._heard
-        if corner is not None:
-            self._heard = None
-            if corner.kind == self._goal.kind and abs(self._path - self._backed) <= self.config.tolerance:
-                self.finish(True, f"at the {corner.kind} corner again", corner)
-                return Proposal(STOP, 1.0, "arrived")
-            if corner.kind == self._goal.kind and not self._again:
-                return self._try_again()
-            self.finish(False, f"met a {corner.kind} corner after {self._path:.3f} m instead", corner)
-            return Proposal(STOP, 1.0, "another corner")
-        if self._path > self._backed + self.config.tolerance:
-            self.finish(False, f"no corner within {self._path:.3f} m", None)
-            return Proposal(STOP, 1.0, "no corner")
-        return proposal
-
-    def _try_again(self) -> Proposal:
-        """The wall was lost, not at its end: backs off once more, with what following has learned of it."""
-        self._again = True
-        skew = (self._view.sign if self._view is not None else 1.0) * self._follower.skew
-        self._wall = WallFilter(self._follower.config.distance, skew, 0.1)
-        self.fire("try_again")
-        return Proposal(STOP, 1.0, "once more")
-
-    def _hear(self, event: Event, context: Context) -> None:
-        if isinstance(event, CornerReached):
-            self._heard = event
+            return self.proposal(spin_command(context.geometry, self._remaining, self.config.turn_speed))
+        self.fire(then)
+        return self.proposal(STOP)

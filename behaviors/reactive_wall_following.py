@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
 from ..agent.goals import Follow
@@ -59,24 +58,21 @@ class ReactiveWallFollowing(Behavior):
         Transition("wall_close", Reacting.CIRCLING, Reacting.CLOSE),
         Transition("wall_gone", Reacting.CLOSE, Reacting.CIRCLING),
     )
-    example_goal = Follow("right")
+    Goal = Follow
+    example = Follow("right")
     config: ReactiveWallFollowingConfig
+    goal: Follow
 
-    def on_reset(self) -> None:
-        """Forgets the side."""
-        self._side: str | None = None
+    def circling(self, percept: Percept, context: Context) -> Proposal:
+        """Circles toward the wall's side until some sensor sees a wall."""
+        return self._react(percept)
 
-    def on_start(self, goal: Any, context: Context) -> None:
-        """Takes a `Follow` goal. Raises: TypeError for anything else."""
-        if not isinstance(goal, Follow):
-            raise TypeError(f"{self.name} needs a Follow goal, not {goal!r}")
-        self._side = goal.side
+    def close(self, percept: Percept, context: Context) -> Proposal:
+        """Eq. 3.12 with the wall's attraction."""
+        return self._react(percept)
 
-    def propose(self, percept: Percept, context: Context) -> Proposal:
-        """One evaluation of eq. 3.12, or of eq. 3.13 and 3.14."""
-        if self._side is None:
-            raise TypeError(f"{self.name} was asked before it was given a Follow goal")
-        right = self._side == "right"
+    def _react(self, percept: Percept) -> Proposal:
+        right = self.goal.side == "right"
         values = percept.infrared if right else percept.infrared[::-1]
         close = any(value > self.config.threshold for value in values)
         if close is not (self.state is Reacting.CLOSE):

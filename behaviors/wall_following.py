@@ -10,16 +10,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
 
 from ..agent.behavior import Behavior, Context, Proposal, Transition
 from ..agent.boundary.trace import BEND
-from ..agent.events import CornerReached, Event, WallMet
+from ..agent.events import CornerReached, WallMet
 from ..agent.goals import Follow, FollowFrom
 from ..agent.motion import drive_command, is_free, obstacles, spin_command
 from ..agent.perception.side_view import SideView, WallCourse
 from ..agent.perception.wall_filter import SideWall
-from ..world.robot import STOP, Percept, WheelCommand, wrap_angle
+from ..world.robot import STOP, Percept, wrap_angle
 
 _PARALLEL = 5
 """Lines of a wall after which its direction is known to a robot that began beside it."""
@@ -69,14 +68,42 @@ class WallFollowingConfig:
 
 
 class Following(Enum):
-    """What the wall follower is doing."""
+    """What the wall follower is doing.
+
+    SEARCH: looking for a wall. FOLLOW: beside it. CONCAVE: at a corner, turning away from the wall ahead;
+    TURN_AWAY: the same where that is no corner, or one that was told before. ADVANCE: past the wall's end.
+    CONVEX: at that corner, turning around it; TURN_TOWARD: turning farther. EDGE: passing the edge of a
+    corner that is turned around in two parts. GAP: looking for the wall beyond.
+    """
 
     SEARCH = "search"
     FOLLOW = "follow"
     CONCAVE = "concave"
+    TURN_AWAY = "turn away"
     ADVANCE = "advance"
     CONVEX = "convex"
+    TURN_TOWARD = "turn toward"
+    EDGE = "edge"
     GAP = "gap"
+
+
+class Known(Enum):
+    """What is known of the wall at hand.
+
+    NEW: nothing. BESIDE: the robot began parallel to it, or it has bent since it was told. SEARCHED: the
+    robot turned away from it when the search met it. TURNED, ROUNDED: after a concave or a convex corner.
+    TOLD: its direction is known and published.
+    """
+
+    NEW = "new"
+    BESIDE = "beside"
+    SEARCHED = "searched"
+    TURNED = "turned"
+    ROUNDED = "rounded"
+    TOLD = "told"
+
+
+_ALONG = (Following.FOLLOW, Following.ADVANCE, Following.EDGE, Following.GAP)
 
 
 class WallFollowing(Behavior):
@@ -91,46 +118,46 @@ class WallFollowing(Behavior):
     initial = Following.SEARCH
     Config = WallFollowingConfig
     transitions = (
-        Transition("found_wall", (Following.SEARCH, Following.CONCAVE, Following.GAP), Following.FOLLOW),
-        Transition("wall_ahead", (Following.FOLLOW, Following.ADVANCE, Following.GAP), Following.CONCAVE),
-        Transition("meet_wall", Following.SEARCH, Following.CONCAVE),
+        Transition(
+            "found_wall",
+            (Following.SEARCH, Following.CONCAVE, Following.TURN_AWAY, Following.GAP),
+            Following.FOLLOW,
+        ),
+        Transition("wall_ahead", _ALONG, Following.TURN_AWAY, when="is_still_turning"),
+        Transition("wall_ahead", _ALONG, Following.CONCAVE),
+        Transition("meet_wall", Following.SEARCH, Following.TURN_AWAY),
         Transition("wall_ended", Following.FOLLOW, Following.ADVANCE),
         Transition("around", Following.ADVANCE, Following.CONVEX),
-        Transition("turned", Following.CONVEX, Following.GAP),
-        Transition("turn_more", Following.GAP, Following.CONVEX),
-        Transition("begin_concave", Following.SEARCH, Following.CONCAVE),
-        Transition("begin_convex", Following.SEARCH, Following.CONVEX),
+        Transition("turned", (Following.CONVEX, Following.TURN_TOWARD), Following.EDGE, when="is_sharp"),
+        Transition("turned", (Following.CONVEX, Following.TURN_TOWARD), Following.GAP),
+        Transition("turn_more", (Following.EDGE, Following.GAP), Following.TURN_TOWARD),
+        Transition("begin_concave", Following.SEARCH, Following.TURN_AWAY),
+        Transition("begin_convex", Following.SEARCH, Following.TURN_TOWARD),
         Transition("begin_gap", Following.SEARCH, Following.GAP),
     )
+    Goal = Follow
+    example = Follow("right")
     config: WallFollowingConfig
+    goal: Follow
 
     def on_reset(self) -> None:
         """Forgets the wall."""
-        self._view: SideView | None = None
-        self._side = "right"
-        self._reach: float | None = None
         self._wall = SideWall(self.config.distance)
-        self._path = self._seen = 0.0
-        self._leg = 0.0
-        self._misses = 0
-        self._remaining = 0.0
-        self._sharper = 0.0
-        self._edge, self._past = 0.5 * math.pi, self.config.distance
-        self._turned = 0.0
-        self._searching = self._swung = self._rounding = False
-        self._settled = self._beside = False
+        self._known = Known.NEW
         self._course = WallCourse()
+        self._path = self._seen = self._leg = 0.0
+        self._misses = 0
         self._front: list[float] = []
+        self._remaining = self._turned = self._sharper = 0.0
+        self._edge, self._past = 0.5 * math.pi, self.config.distance
 
-    def on_start(self, goal: Any, context: Context) -> None:
-        """Takes a `Follow` goal. Raises: TypeError for anything else."""
-        if not isinstance(goal, Follow):
-            raise TypeError(f"{self.name} needs a Follow goal, not {goal!r}")
-        self._side, self._reach = goal.side, goal.reach
+    def on_start(self, context: Context) -> None:
+        """Goes to the state that the goal's `start` says."""
+        goal = self.goal
         self._view = SideView(context.geometry, goal.side)
         turn = 0.5 * math.pi if goal.turn is None else abs(goal.turn)
         if goal.start is FollowFrom.WALL:
-            self._beside = True
+            self._known = Known.BESIDE
             self.fire("found_wall")
         elif goal.start is FollowFrom.GAP:
             self.fire("begin_gap")
@@ -143,72 +170,54 @@ class WallFollowing(Behavior):
                 self._remaining, self._sharper = -0.5 * math.pi, turn - 0.5 * math.pi
             self.fire("begin_convex")
 
-    def propose(self, percept: Percept, context: Context) -> Proposal:
-        """One tick of following."""
-        view = self._view
-        if view is None:
-            raise TypeError(f"{self.name} was asked before it was given a Follow goal")
-        view.read(percept)
-        turned = context.turn * view.sign
-        self._wall.predict(context.distance, turned)
-        state = self.state
-        if state is Following.FOLLOW:
-            command = self._follow(view, context)
-        elif state is Following.CONCAVE or state is Following.CONVEX:
-            command = self._turn(turned, view)
-        elif state is Following.ADVANCE:
-            command = self._advance(view, context)
-        elif state is Following.GAP:
-            command = self._gap(view, context)
-        else:
-            command = self._search(view, percept)
-        return Proposal(command, 1.0, state.value)
-
-    def emit(self, event: Event, context: Context) -> None:
-        """Publishes an event. A behavior that drives by this one replaces it to hear the corners first."""
-        context.publish(event)
-
     @property
     def path(self) -> float:
         """Meters driven since the start or the last corner, turns in place not counted."""
         return self._path
 
+    @property
+    def skew(self) -> float:
+        """The robot's heading (rad, counter-clockwise) from the direction of the wall it follows."""
+        return self._view.sign * self._wall.angle
+
     def expect(self, distance: float) -> None:
         """Tells how far (m) the robot's center is from the wall, where that is not the set distance."""
         self._wall = SideWall(distance, 0.0, 0.1)
 
-    @property
-    def skew(self) -> float:
-        """The robot's heading (rad, counter-clockwise) from the direction of the wall it follows."""
-        return (self._view.sign if self._view is not None else 1.0) * self._wall.angle
+    def on_tick(self, percept: Percept, context: Context) -> None:
+        """Takes in the sensors of the wall's side, and what odometry says of the wall."""
+        self._view.read(percept)
+        self._wall.predict(context.distance, context.turn * self._view.sign)
 
     # --- states --------------------------------------------------------------------------------------
 
-    def _search(self, view: SideView, percept: Percept) -> WheelCommand:
+    def search(self, percept: Percept, context: Context) -> Proposal:
         """Straight on until a wall is near, ahead or at a slant; then away from it."""
+        view = self._view
         geometry, front = view.geometry, view.front_wall()
         room = self.config.distance - geometry.body_radius - 0.002
         if not is_free(obstacles(percept, geometry), geometry, 0.01, room):
             self._remaining = front[1] if front is not None else 0.5 * math.pi
-            self._searching = True
+            self._known = Known.SEARCHED
             self.fire("meet_wall")
-            return STOP
+            return self.proposal(STOP)
         wall = view.side_wall()
         if wall is not None and wall[0] < self.config.distance + 0.02:
             self._meet(wall)
             self.fire("found_wall")
         return self._drive(0.0)
 
-    def _follow(self, view: SideView, context: Context) -> WheelCommand:
-        config = self.config
-        self._count(context)
+    def follow(self, percept: Percept, context: Context) -> Proposal:
+        """Keeps the wall's distance, and notices where it ends or another wall is ahead."""
+        config, view = self.config, self._view
+        self._path += context.distance
         self._settle(context)
-        if self._reach is not None and self._path >= self._reach:
+        if self.goal.reach is not None and self._path >= self.goal.reach:
             self.finish(True, "followed as far as asked", self.skew)
-            return STOP
+            return self.proposal(STOP)
         self._trace_course(context)
-        if self._at_front(view, context, view.slanted_wall(self._wall.distance, self._wall.angle)):
-            return STOP
+        if self._at_front(view.slanted_wall(self._wall.distance, self._wall.angle)):
+            return self.proposal(STOP)
         if view.side > config.lost_range:
             self._misses += 1
             if self._misses >= 2:
@@ -222,7 +231,98 @@ class WallFollowing(Behavior):
             self._seen = self._path
         return self._keep(view, reach)
 
-    def _keep(self, view: SideView, abreast: float) -> WheelCommand:
+    def advance(self, percept: Percept, context: Context) -> Proposal:
+        """Drives past the wall's end, as far as the corner is from both walls."""
+        view = self._view
+        self._path += context.distance
+        opening = self._leg >= _OPENING and view.side > self.config.lost_range
+        if opening and self._is_at_front(view.front_wall()):
+            # Across is the other wall of a passage: too narrow to pass its mouth, wide enough to enter.
+            return self._around()
+        if self._at_front():
+            return self.proposal(STOP)
+        self._leg += context.distance
+        if self._leg >= self._past:
+            return self._around()
+        if min(view.side, view.diagonal) < self.config.shy:  # an edge that was met at a slant
+            return self._drive(_SHY_TURN)
+        return self._drive(-self.config.angle_gain * self._wall.angle)
+
+    def on_enter_concave(self, context: Context) -> None:
+        """Tells the corner."""
+        self._arrive("concave", context)
+
+    def concave(self, percept: Percept, context: Context) -> Proposal:
+        """Turns away from the wall ahead, until it is at the side."""
+        if not self._has_turned(context) and not self._is_parallel_already():
+            return self._spin()
+        self._end_turn(Known.SEARCHED if self._known is Known.SEARCHED else Known.TURNED, "found_wall")
+        return self.proposal(STOP)
+
+    def turn_away(self, percept: Percept, context: Context) -> Proposal:
+        """Turns away from the wall ahead in the same way."""
+        return self.concave(percept, context)
+
+    def on_enter_convex(self, context: Context) -> None:
+        """Tells the corner."""
+        self._arrive("convex", context)
+
+    def convex(self, percept: Percept, context: Context) -> Proposal:
+        """Turns around the wall's end."""
+        if not self._has_turned(context):
+            return self._spin()
+        self._end_turn(Known.ROUNDED, "turned")
+        return self.proposal(STOP)
+
+    def turn_toward(self, percept: Percept, context: Context) -> Proposal:
+        """Turns farther around the wall's end."""
+        return self.convex(percept, context)
+
+    def edge(self, percept: Percept, context: Context) -> Proposal:
+        """Drives to where the rest of a sharp turn leads along the next wall, at the set distance."""
+        if self._drive_on(context):
+            return self.proposal(STOP)
+        past = (1.0 - math.cos(self._sharper) + math.sin(self._sharper)) / math.sin(self._sharper)
+        if self._leg > past * self.config.distance:
+            self._remaining, self._sharper = -self._sharper, 0.0
+            self.fire("turn_more")
+        return self._drive(-self.config.angle_gain * self._wall.angle)
+
+    def gap(self, percept: Percept, context: Context) -> Proposal:
+        """Drives until the next wall is at the side; turns farther where none comes."""
+        if self._drive_on(context):
+            return self.proposal(STOP)
+        if self._view.side < self.config.lost_range:
+            self._misses += 1
+            if self._misses >= 2:
+                self._find_wall(self._view)
+        else:
+            self._misses = 0
+            if self._leg > self.config.gap_limit:
+                self._remaining = -0.25 * math.pi
+                self._leg = 0.0
+                self.fire("turn_more")
+        return self._drive(-self.config.angle_gain * self._wall.angle)
+
+    # --- conditions of the table ------------------------------------------------------------------------
+
+    def is_still_turning(self) -> bool:
+        """Whether the wall ahead is the one just turned away from, and that was not enough; or turned to, and
+        that was too much, as around a blunt corner.
+        """
+        if self._known is Known.ROUNDED and self._remaining < _BLUNT:
+            return True
+        askew = abs(self._remaining - 0.5 * math.pi) > 0.3
+        just_turned = self._known is Known.SEARCHED or (self._known is Known.TURNED and askew)
+        return just_turned and self._path < 0.01
+
+    def is_sharp(self) -> bool:
+        """Whether the corner turns so far that the rest of the turn comes past its edge."""
+        return self._sharper > 0.0
+
+    # --- parts of states -----------------------------------------------------------------------------
+
+    def _keep(self, view: SideView, abreast: float) -> Proposal:
         """Keeps the wall's distance; `abreast` (m) is that of what is beside the robot now, wall or not."""
         config, wall = self.config, self._wall
         if min(view.side, view.diagonal) < config.shy:
@@ -234,21 +334,6 @@ class WallFollowing(Behavior):
         error = max(-0.02, min(0.02, distance - config.distance))
         around = wall.bend * config.speed * view.geometry.distance_per_step
         return self._drive(-(config.angle_gain * wall.angle + config.distance_gain * error + around))
-
-    def _advance(self, view: SideView, context: Context) -> WheelCommand:
-        self._count(context)
-        opening = self._leg >= _OPENING and view.side > self.config.lost_range
-        if opening and self._is_at_front(view.front_wall()):
-            # Across is the other wall of a passage: too narrow to pass its mouth, wide enough to enter.
-            return self._around(context)
-        if self._at_front(view, context):
-            return STOP
-        self._leg += context.distance
-        if self._leg >= self._past:
-            return self._around(context)
-        if min(view.side, view.diagonal) < self.config.shy:  # an edge that was met askew
-            return self._drive(_SHY_TURN)
-        return self._drive(-self.config.angle_gain * self._wall.angle)
 
     def _end_of_wall(self, context: Context) -> None:
         """The corner is as far from the wall beyond as from this one; a right angle unless that was seen."""
@@ -264,72 +349,55 @@ class WallFollowing(Behavior):
             self._past = config.distance * math.tan(0.5 * self._edge)
         self.fire("wall_ended")
 
-    def _around(self, context: Context) -> WheelCommand:
+    def _around(self) -> Proposal:
         """Turns around the wall's end."""
         self._remaining = -self._edge - self._wall.angle
         self.fire("around")
-        self._arrive("convex", context)
-        return STOP
+        return self.proposal(STOP)
 
-    def _gap(self, view: SideView, context: Context) -> WheelCommand:
-        self._count(context)
+    def _drive_on(self, context: Context) -> bool:
+        """One tick on a way without a wall at the side; whether it stands before a wall ahead."""
+        self._path += context.distance
         self._leg += context.distance
-        if self._at_front(view, context):
-            return STOP
-        if self._sharper > 0.0:
-            # From there the rest of the turn leads along the next wall, at the set distance.
-            past = (1.0 - math.cos(self._sharper) + math.sin(self._sharper)) / math.sin(self._sharper)
-            if self._leg > past * self.config.distance:
-                self._remaining, self._sharper = -self._sharper, 0.0
-                self.fire("turn_more")
-        elif view.side < self.config.lost_range:
-            self._misses += 1
-            if self._misses >= 2:
-                wall = view.side_wall()
-                if wall is not None:
-                    self._meet(wall)
-                else:
-                    self._wall = SideWall(context.geometry.body_radius + view.side, 0.0, _TURNED)
-                self._misses = 0
-                self._leg = 0.0
-                self.fire("found_wall")
-        else:
-            self._misses = 0
-            if self._leg > self.config.gap_limit:
-                self._remaining = -0.25 * math.pi
-                self._leg = 0.0
-                self.fire("turn_more")
-        return self._drive(-self.config.angle_gain * self._wall.angle)
+        return self._at_front()
 
-    def _turn(self, turned: float, view: SideView) -> WheelCommand:
+    def _find_wall(self, view: SideView) -> None:
+        wall = view.side_wall()
+        if wall is not None:
+            self._meet(wall)
+        else:
+            self._wall = SideWall(view.geometry.body_radius + view.side, 0.0, _TURNED)
+        self._misses = 0
+        self._leg = 0.0
+        self.fire("found_wall")
+
+    def _has_turned(self, context: Context) -> bool:
+        """Counts one tick of turning in place; whether it is over."""
+        turned = context.turn * self._view.sign
         self._remaining -= turned
         self._turned += turned
-        if abs(self._remaining) > 0.004 and not self._parallel_already(view):
-            return self._spin(self._remaining)
-        self._turned = 0.0
-        self._swung = self.state is Following.CONCAVE
-        self._rounding = self.state is Following.CONVEX
-        self._leg = 0.0
+        return abs(self._remaining) <= 0.004
+
+    def _end_turn(self, known: Known, trigger: str) -> None:
+        self._known = known
+        self._turned = self._leg = 0.0
         self._misses = 0
         self._front.clear()
         self._wall = SideWall(self.config.distance, 0.0, 0.05)
-        self.fire("turned" if self.state is Following.CONVEX else "found_wall")
-        return STOP
+        self.fire(trigger)
 
-    def _parallel_already(self, view: SideView) -> bool:
+    def _is_parallel_already(self) -> bool:
         """Whether, turning away from a wall ahead, it is at the side long before expected: it stood askew."""
-        if self.state is not Following.CONCAVE or self._turned < 0.3 or self._remaining < 0.25:
+        if self._turned < 0.3 or self._remaining < 0.25:
             return False
-        wall = view.side_wall()
-        if wall is None or view.front_wall() is not None:
+        wall = self._view.side_wall()
+        if wall is None or self._view.front_wall() is not None:
             return False
         return wall[1] > -0.02 and wall[0] < self.config.distance + 0.015
 
-    # --- parts of states -----------------------------------------------------------------------------
-
-    def _at_front(self, view: SideView, context: Context, slanted: tuple[float, float] | None = None) -> bool:
+    def _at_front(self, slanted: tuple[float, float] | None = None) -> bool:
         """Stops for a wall ahead: looks a few ticks, standing, to learn where it lies, then turns."""
-        front = slanted or view.front_wall()
+        front = slanted or self._view.front_wall()
         if front is None or not self._is_at_front(front):
             self._front.clear()
             return False
@@ -342,92 +410,77 @@ class WallFollowing(Behavior):
             self._remaining = across
         self._front.clear()
         self.fire("wall_ahead")
-        if not self._still_turning():
-            self._arrive("concave", context)
         return True
 
     def _is_at_front(self, front: tuple[float, float] | None) -> bool:
         return front is not None and front[0] <= self.config.distance + 0.0005
 
-    def _still_turning(self) -> bool:
-        """Whether the wall ahead is the one just turned away from, and that was not enough; or turned to, and
-        that was too much, as around a blunt corner.
-        """
-        if self._rounding and self._remaining < _BLUNT:
-            return True
-        askew = abs(self._remaining - 0.5 * math.pi) > 0.3
-        return self._swung and self._path < 0.01 and (self._searching or askew)
-
     def _meet(self, wall: tuple[float, float]) -> None:
         self._wall.meet(wall)
         self._misses = 0
 
-    def _count(self, context: Context) -> None:
-        self._path += context.distance
-
     def _arrive(self, kind: str, context: Context) -> None:
         """Says that a corner is reached, with the direction of the wall just followed."""
         self._publish_wall(context)
-        self._settled = self._searching = self._beside = False
+        self._known = Known.NEW
         self._tell(kind, self._remaining, context)
 
     def _tell(self, kind: str, remaining: float, context: Context) -> None:
         path, self._path = self._path, 0.0
-        blind, self._seen = path - self._seen, 0.0
+        unobserved, self._seen = path - self._seen, 0.0
         course, self._course = self._course, WallCourse()
-        self.emit(
+        context.publish(
             CornerReached(
                 time=context.time,
-                side=self._side,
+                side=self.goal.side,
                 kind=kind,
                 path_length=path,
                 heading=self._wall_direction(context),
-                turn=remaining * (self._view.sign if self._view is not None else 1.0),
+                turn=remaining * self._view.sign,
                 max_heading_change=course.max_heading_change,
-                unobserved_length=blind,
-            ),
-            context,
+                unobserved_length=unobserved,
+            )
         )
 
     def _settle(self, context: Context) -> None:
         """Once enough of the new wall was followed, says where it leads."""
         self._leg += context.distance
-        if not self._settled and self._leg >= self.config.settle and self._wall.samples >= 20:
+        if self._leg >= self.config.settle and self._wall.samples >= 20:
             self._publish_wall(context)
+
+    def _publish_wall(self, context: Context) -> None:
+        if self._known is not Known.TOLD:
+            self._known = Known.TOLD
+            heading = self._wall_direction(context)
+            context.publish(
+                WallMet(time=context.time, side=self.goal.side, heading=heading, path_length=self._path)
+            )
 
     def _trace_course(self, context: Context) -> None:
         """Keeps where the wall leads, and tells when it has turned far without a corner."""
-        known = self._settled or (self._beside and self._wall.samples >= _PARALLEL)
-        if not known or not self._course.take(self._path, self._wall_direction(context)):
+        beside = self._known is Known.BESIDE and self._wall.samples >= _PARALLEL
+        if not (beside or self._known is Known.TOLD):
+            return
+        if not self._course.take(self._path, self._wall_direction(context)):
             return
         if abs(self._course.swing) >= self.config.bend:
             self._tell(BEND, 0.0, context)
-            self._settled, self._beside, self._swung = False, True, False
-
-    def _publish_wall(self, context: Context) -> None:
-        if not self._settled:
-            self._settled, self._rounding = True, False
-            heading = self._wall_direction(context)
-            self.emit(
-                WallMet(time=context.time, side=self._side, heading=heading, path_length=self._path), context
-            )
+            self._known = Known.BESIDE
 
     def _wall_direction(self, context: Context) -> float:
-        sign = self._view.sign if self._view is not None else 1.0
-        return wrap_angle(context.pose.heading - sign * self._wall.angle)
+        return wrap_angle(context.pose.heading - self._view.sign * self._wall.angle)
 
-    def _drive(self, turn_rate: float) -> WheelCommand:
+    def _drive(self, turn_rate: float) -> Proposal:
         """Forward while turning at `turn_rate` (rad/s at the set speed, away from the wall is positive)."""
-        assert self._view is not None
         # Not along a wall whose direction was never seen, such as a thin one's end.
         ending = self._seen > 0.0 and self.state in (Following.FOLLOW, Following.ADVANCE)
-        blind = ending and self._path - self._seen > _UNSEEN
-        speed = self.config.blind_speed if blind else self.config.speed
+        unseen = ending and self._path - self._seen > _UNSEEN
+        speed = self.config.blind_speed if unseen else self.config.speed
         # Slower along the same way: as much turn in a meter.
         turn_rate *= self._view.sign * speed / self.config.speed
-        return drive_command(self._view.geometry, speed, turn_rate)
+        return self.proposal(drive_command(self._view.geometry, speed, turn_rate))
 
-    def _spin(self, remaining: float) -> WheelCommand:
-        """A turn in place by at most `remaining` (rad, away from the wall is positive) in this tick."""
-        assert self._view is not None
-        return spin_command(self._view.geometry, remaining * self._view.sign, self.config.turn_speed)
+    def _spin(self) -> Proposal:
+        """Turns in place by what remains (rad, away from the wall is positive), or what a tick allows."""
+        remaining = self._remaining * self._view.sign
+        return self.proposal(spin_command(self._view.geometry, remaining, self.config.turn_speed))

@@ -24,7 +24,10 @@ class WanderConfig:
 
 
 class Wander(Behavior):
-    """Straight legs of random length with turns in place of random angle between them."""
+    """Straight legs of random length with turns in place of random angle between them.
+
+    Always proposes, weakly: whoever wants something in particular goes first.
+    """
 
     class States(Enum):
         """STRAIGHT: driving a leg. TURNING: turning in place to the next heading."""
@@ -47,13 +50,8 @@ class Wander(Behavior):
         self._left_to_turn = 0.0
         self._side = 1.0
 
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
-        """Always proposes, weakly: whoever wants something in particular goes first."""
-        if self.state is self.States.STRAIGHT:
-            return self._straight(percept, context)
-        return self._turning(percept, context)
-
-    def _straight(self, percept: Percept, context: Context) -> Proposal:
+    def straight(self, percept: Percept, context: Context) -> Proposal:
+        """Drives a leg to its end, or until something is near."""
         config = self.config
         if self._left_to_drive is None:
             self._left_to_drive = float(context.rng.exponential(config.leg))
@@ -65,7 +63,8 @@ class Wander(Behavior):
             return Proposal(WheelCommand(0.0, 0.0), 0.3, "about to turn")
         return Proposal(WheelCommand(config.speed, config.speed), 0.3, "driving a leg")
 
-    def _turning(self, percept: Percept, context: Context) -> Proposal:
+    def turning(self, percept: Percept, context: Context) -> Proposal:
+        """Turns by the angle that was drawn, and on until there is room ahead."""
         self._left_to_turn -= abs(context.turn)
         if self._left_to_turn <= 0.0 and not self._blocked(percept, context):
             self._left_to_drive = float(context.rng.exponential(self.config.leg))

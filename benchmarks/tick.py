@@ -17,7 +17,7 @@ import numpy as np
 from tolman.agent import Agent, Behavior, Context, Proposal
 from tolman.behaviors.obstacle_avoidance import ObstacleAvoidance
 from tolman.behaviors.wander import Wander
-from tolman.plugins.check import example_goal, percepts
+from tolman.plugins.check import percepts
 from tolman.plugins.testing import ScriptedRobot, Trial, percept
 from tolman.world.robot import Percept, WheelCommand
 
@@ -40,7 +40,7 @@ class _Layer(Behavior):
 
     initial = States.ON
 
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+    def on(self, percept: Percept, context: Context) -> Proposal | None:
         """Speeds by a weighted sum, as a reactive layer has them."""
         infrared = percept.infrared
         difference = 0.1 * (infrared[0] + infrared[1] - infrared[6] - infrared[7])
@@ -79,7 +79,7 @@ def trial_figures() -> Iterator[Figure]:
 
 
 def _trial(cls: type[Behavior], run: list[Percept]) -> None:
-    Trial(cls(), goal=example_goal(cls)).run(run)
+    Trial(cls(), goal=cls.example).run(run)
 
 
 def main() -> int:

@@ -1,8 +1,10 @@
-"""The conformance suite: what `tolman plugins check` runs on a behavior, and what to mend."""
+"""The conformance suite: what `tolman plugins check` runs on a behavior, and what to fix."""
 
 from __future__ import annotations
 
+import contextlib
 import inspect
+import json
 import statistics
 import subprocess
 import sys
@@ -17,32 +19,26 @@ import numpy as np
 from ..agent.agent import Agent
 from ..agent.behavior import Behavior, check_declarations
 from ..agent.containment import check_proposal, describe
+from ..agent.errors import GoalError
 from ..agent.events import BehaviorFaulted, Event
-from ..agent.goals import DrivePath, ExploreLocally, Follow, FollowFrom, GoAlong, Leg, ReacquireCorner
+from ..agent.fields import needs_values
 from ..agent.handle import Limits
+from ..agent.recording.codec import decode, dumps
 from ..world.robot import EPUCK, Percept
 from .diagram import edges
 from .testing.trial import FAR, ScriptedRobot, Trial, percept
 
-_EXAMPLES: dict[str, Any] = {
-    "go-to-node": GoAlong((Leg(0, 1, "right", 0.3, "concave", 0.0, FollowFrom.WALL),)),
-    "local-exploration": ExploreLocally(),
-    "local-go-to": DrivePath(((0.05, 0.0), (0.05, 0.05))),
-    "position-correction": ReacquireCorner("right", "concave", 0.3),
-    "wall-following": Follow("right"),
-}
-"""Goals for built-in behaviors that name none themselves."""
 SLOW = 500e-6
 """Seconds that the median `propose` may take."""
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One check: whether it passed, and if not what to mend."""
+    """One check: whether it passed, and if not what to fix."""
 
     check: str
     passed: bool
-    mend: str = ""
+    fix: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +50,7 @@ class Report:
 
     @property
     def passed(self) -> bool:
-        """Whether nothing is to mend."""
+        """Whether every check passed."""
         return all(finding.passed for finding in self.findings)
 
     def text(self) -> str:
@@ -62,20 +58,24 @@ class Report:
         lines = [f"{self.name}: {'conforms' if self.passed else 'does not conform'}"]
         for finding in self.findings:
             lines.append(
-                f"  {'ok  ' if finding.passed else 'MEND'} {finding.check}"
-                + (f": {finding.mend}" if finding.mend else "")
+                f"  {'ok  ' if finding.passed else 'FIX '} {finding.check}"
+                + (f": {finding.fix}" if finding.fix else "")
             )
         return "\n".join(lines)
 
 
 def check_behavior(cls: type[Behavior], goal: Any = None, *, ticks: int = 300) -> Report:
-    """Runs every check on the class and never raises for its faults; goal: None takes its `example_goal`."""
+    """Runs every check on the class and never raises for its faults.
+
+    goal: None takes the class's `example`, or the defaults of its `Goal`.
+    """
     if goal is None:
-        goal = example_goal(cls)
+        goal = cls.example
     checks: tuple[tuple[str, Callable[[], Iterator[str]]], ...] = (
         ("declarations", lambda: _declarations(cls)),
         ("documentation", lambda: _documentation(cls)),
         ("configuration", lambda: _configuration(cls)),
+        ("goal", lambda: _goal(cls, goal)),
         ("states", lambda: _states(cls)),
         ("sane proposals", lambda: _proposals(cls, goal, ticks)),
         ("determinism", lambda: _determinism(cls, goal, ticks)),
@@ -85,11 +85,6 @@ def check_behavior(cls: type[Behavior], goal: Any = None, *, ticks: int = 300) -
         ("no simulator", lambda: _no_simulator(cls)),
     )
     return Report(cls.name or cls.__name__, tuple(_run(name, check) for name, check in checks))
-
-
-def example_goal(cls: type[Behavior]) -> Any:
-    """A goal that the behavior takes, None if it needs none."""
-    return cls.example_goal if cls.example_goal is not None else _EXAMPLES.get(cls.name)
 
 
 def _run(name: str, check: Callable[[], Iterator[str]]) -> Finding:
@@ -126,11 +121,21 @@ def _documentation(cls: type[Behavior]) -> Iterator[str]:
         yield f"class {cls.__name__} has no docstring: say in one line what the robot does"
     if cls.States.__doc__ in (None, "An enumeration.") or not cls.States.__doc__:
         yield "States has no docstring: say what each state means"
-    described = cls.Config.__doc__ or ""
-    for each in fields(cls.Config):
+    yield from _undescribed(cls.Config, "setting")
+    if cls.Goal is not None:
+        yield from _undescribed(cls.Goal, "field")
+    for name in (state.name.lower() for state in cls.States):
+        for method in (name, f"on_enter_{name}"):
+            if hasattr(cls, method) and not inspect.getdoc(getattr(cls, method)):
+                yield f"the method {method!r} has no docstring: say in one line what the robot does"
+
+
+def _undescribed(declared: type[Any], word: str) -> Iterator[str]:
+    described = declared.__doc__ or ""
+    for each in fields(declared):
         plural = f"{each.name.rpartition('_')[2]}s"  # `speeds: steps/s` tells of several
         if each.name not in described and plural not in described:
-            yield f"the setting {each.name!r} is not in the docstring of {cls.Config.__name__}: give its unit"
+            yield f"the {word} {each.name!r} is not in the docstring of {declared.__name__}: give its unit"
 
 
 def _configuration(cls: type[Behavior]) -> Iterator[str]:
@@ -138,6 +143,21 @@ def _configuration(cls: type[Behavior]) -> Iterator[str]:
     if not is_dataclass(config) or not config.__dataclass_params__.frozen:  # type: ignore[attr-defined]
         yield f"{config.__name__} must be a frozen dataclass: @dataclass(frozen=True, slots=True)"
     config()  # every setting needs a default
+
+
+def _goal(cls: type[Behavior], goal: Any) -> Iterator[str]:
+    """Goals fit, survive being recorded, and what is no goal is refused."""
+    if cls.Goal is not None and goal is None and needs_values(cls.Goal):
+        yield f"{cls.Goal.__name__} has fields without defaults: declare `example`, a goal to check with"
+        return
+    fitted = cls().fitted_goal(goal)
+    if cls.Goal is None:
+        return
+    if cls().fitted_goal(decode(json.loads(dumps(fitted)))) != fitted:
+        yield f"a recorded {cls.Goal.__name__} does not come back as it was: use plain types in its fields"
+    with contextlib.suppress(GoalError):
+        cls().fitted_goal(object())
+        yield "it takes anything for a goal: do not override `fitted_goal`"
 
 
 def _states(cls: type[Behavior]) -> Iterator[str]:
@@ -204,7 +224,7 @@ def _speed(cls: type[Behavior], goal: Any, ticks: int) -> Iterator[str]:
         trial.step(sensed)
         durations.append(time.perf_counter() - start)
     if (median := statistics.median(durations)) > SLOW:
-        yield f"a tick takes {median * 1e6:.0f} us (median), more than {SLOW * 1e6:.0f}: do less in `propose`"
+        yield f"a tick takes {median * 1e6:.0f} us (median), more than {SLOW * 1e6:.0f}: do less in each tick"
 
 
 def _no_simulator(cls: type[Behavior]) -> Iterator[str]:

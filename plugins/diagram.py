@@ -17,11 +17,14 @@ Edges = dict[tuple[Enum, Enum], list[str]]
 
 
 def edges(cls: type[Behavior]) -> Edges:
-    """(source, target) -> the triggers that lead there, in the order of the table."""
+    """(source, target) -> the triggers that lead there, with their conditions, in the order of the table."""
     found: Edges = {}
     for row in cls.transitions:
-        for source in row.sources if isinstance(row.sources, tuple) else (row.sources,):
-            found.setdefault((source, row.target), []).append(row.trigger)
+        label = (
+            f"{row.trigger} [{row.when.removeprefix('is_').replace('_', ' ')}]" if row.when else row.trigger
+        )
+        for source in row.origins:
+            found.setdefault((source, row.target), []).append(label)
     return found
 
 

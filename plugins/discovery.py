@@ -142,7 +142,8 @@ def plugins_in(path: Path) -> list[Plugin]:
         if not inspect.isclass(value) or value.__module__ != module.__name__ or inspect.isabstract(value):
             continue
         group = _group_of(value)
-        if group is not None:
+        nameless_base = group == BEHAVIORS and not getattr(value, "name", "") and value.__subclasses__()
+        if group is not None and not nameless_base:
             found.append(Plugin(_checked(value, group, origin).name, group, origin, _constant(value)))
     return found
 

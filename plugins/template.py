@@ -50,18 +50,24 @@ class {Class}(Behavior):
     )
     Config = {Class}Config
 
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
-        """Called once a tick (32 ms). Looks at the two front sensors only."""
-        nearest = max(percept.infrared[RIGHT_FRONT], percept.infrared[LEFT_FRONT])
-        blocked = context.geometry.infrared_distance(nearest) < self.config.clearance
-        if blocked and self.state is self.States.AHEAD:
+    def ahead(self, percept: Percept, context: Context) -> Proposal | None:
+        """Drives; called once a tick (32 ms) while in the state AHEAD."""
+        if self.is_blocked(percept, context):
             self.fire("blocked")
-        elif not blocked and self.state is self.States.TURNING:
+            return self.turning(percept, context)
+        return Proposal(WheelCommand(self.config.speed, self.config.speed), reason="room ahead")
+
+    def turning(self, percept: Percept, context: Context) -> Proposal | None:
+        """Turns until there is room."""
+        if not self.is_blocked(percept, context):
             self.fire("freed")
-        speed = self.config.speed
-        if self.state is self.States.TURNING:
-            return Proposal(WheelCommand(-speed, speed), reason="something is near")
-        return Proposal(WheelCommand(speed, speed), reason="room ahead")
+            return self.ahead(percept, context)
+        return Proposal(WheelCommand(-self.config.speed, self.config.speed), reason="something is near")
+
+    def is_blocked(self, percept: Percept, context: Context) -> bool:
+        """Whether one of the two front sensors sees something nearer than the clearance."""
+        nearest = max(percept.infrared[RIGHT_FRONT], percept.infrared[LEFT_FRONT])
+        return bool(context.geometry.infrared_distance(nearest) < self.config.clearance)
 '''
 
 TEST = """\

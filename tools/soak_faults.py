@@ -44,7 +44,7 @@ class Faulty(Behavior):
     def on_reset(self) -> None:
         """Nothing to forget."""
 
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+    def on(self, percept: Percept, context: Context) -> Proposal | None:
         """Full speed ahead, or the misdeed."""
         if context.rng.random() < self.rate:
             return self._misbehave(context)

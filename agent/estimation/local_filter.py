@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Self
 
 from ...world.robot import Pose, wrap_angle
-from ..local_goals import LocalBelief
+from ..goals import LocalBelief
 from ..perception.wall_scan import SeenWall
 from ..walls import vantage_of
 
@@ -117,7 +117,7 @@ class LocalPose:
         self.landmarks.append(Landmark(normal, distance, deviation**2, 0.001**2, vantage))
 
     def know_corner(self, kind: str, walls: tuple[tuple[float, float, float], ...]) -> None:
-        """Tells that it begins at a corner of that kind, with walls as `local_goals.walls_at` gives them."""
+        """Tells that it begins at a corner of that kind, with walls as `goals.walls_at` gives them."""
         if kind == "convex":
             self._tt = _BLIND_HEADING**2
         for index, wall in enumerate(walls):

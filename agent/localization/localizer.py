@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING, Any
 from ...world.robot import wrap_angle
 from ..boundary.trace import BEND
 from ..events import BehaviorFinished, CornerReached, Localized, Lost, WallMet
-from ..goals import START_AT, Follow, LookAround
+from ..goals import START_AT, Follow, Foray, LookAround
 from ..listener import Listener, Outcome
-from ..maneuvers import Foray
 from ..walls import away_from
 from .corner_filter import BoundaryFilter, LocalizationConfig
 from .views import NodeViews

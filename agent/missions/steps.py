@@ -17,7 +17,6 @@ from .. import events
 from ..errors import MissionError
 from ..events import BehaviorFaulted, BehaviorFinished, Event
 from ..listener import Outcome
-from ..recording.codec import known_classes
 from .composed import As as As
 from .composed import ForEachNode as ForEachNode
 from .composed import Nodes as Nodes
@@ -155,15 +154,10 @@ class Look(Step):
 
 
 def _goal(entry: Entry) -> Any:
-    """A goal by its fields, or after the name of its class: `{turn: 1}`, `Foray: {turn: 1}`."""
+    """A goal by its fields, such as `{turn: 1}`; the behavior makes its `Goal` of them."""
     value = entry.data()
-    if isinstance(value, dict) and len(value) == 1:
-        ((name, fields_of_goal),) = value.items()
-        if name in (known := known_classes()) and isinstance(fields_of_goal or {}, dict):
-            try:
-                return known[name](**(fields_of_goal or {}))
-            except (TypeError, ValueError) as fault:
-                raise entry.error(str(fault)) from None
+    if value is not None and not isinstance(value, dict):
+        raise entry.error("give the goal's fields, as {turn: 1}")
     return value
 
 

@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING
 from ...world.robot import Pose, wrap_angle
 from ..boundary.trace import BEND
 from ..events import BehaviorFinished, CornerReached, WallMet
-from ..goals import Crossing, Follow, FollowFrom
+from ..goals import Crossing, Follow, FollowFrom, Foray
 from ..listener import Listener, Outcome
-from ..maneuvers import Foray
 
 if TYPE_CHECKING:
     from ..agent import Agent

@@ -13,7 +13,6 @@ from ..estimation.local_filter import LocalPose
 from ..events import BehaviorFinished
 from ..goals import DrivePath, PlacesDriven
 from ..listener import Listener
-from ..local_goals import DrivePathWithLandmarks, PlacesByWalls
 from ..walls import WALL_DISTANCE, walls_at
 
 if TYPE_CHECKING:
@@ -107,19 +106,16 @@ class LocalNavigator(Listener):
             places.append(points[goal])
         start = (self.pose.x, self.pose.y, self.pose.heading)
         heading = 0.0 if home else None
-        ask: DrivePath | DrivePathWithLandmarks = DrivePath(tuple(places), start, heading)
-        if self._landmarks:
-            ask = DrivePathWithLandmarks(tuple(places), self._belief.belief(), heading, fix)
-        self.agent.start("local-go-to", ask)
+        belief = self._belief.belief() if self._landmarks else None
+        goal_of_drive = DrivePath(tuple(places), start, heading, belief, fix=fix and self._landmarks)
+        self.agent.start("local-go-to", goal_of_drive)
 
     def _on_finished(self, event: BehaviorFinished) -> None:
         result = event.result
-        if event.behavior != "local-go-to" or self.done:
-            return
-        if not isinstance(result, PlacesDriven | PlacesByWalls):
+        if event.behavior != "local-go-to" or self.done or not isinstance(result, PlacesDriven):
             return
         self.pose = result.pose
-        if isinstance(result, PlacesByWalls):
+        if result.belief is not None:
             self._belief = LocalPose.of(result.belief)
         reached = result.reached
         missed = reached >= len(self._units) and len(self._ahead) > 1

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from ...world.robot import Pose, WheelCommand
-from .. import events, goals, local_goals, maneuvers
+from .. import events, goals
 from ..errors import CodecError
 
 _DEPTH = 20
@@ -76,10 +76,9 @@ def _subclasses(cls: type[Any]) -> Iterable[type[Any]]:
 def known_classes() -> dict[str, type[Any]]:
     """The dataclasses and enums that `decode` makes again, by name: events, goals, poses and commands."""
     known: dict[str, type[Any]] = {"Pose": Pose, "WheelCommand": WheelCommand}
-    for module in (goals, local_goals, maneuvers):
-        for name, value in vars(module).items():
-            if isinstance(value, type) and (is_dataclass(value) or issubclass(value, Enum)):
-                known[name] = value
+    for name, value in vars(goals).items():
+        if isinstance(value, type) and value.__module__ == goals.__name__:
+            known[name] = value
     known |= {cls.__name__: cls for cls in _subclasses(events.Event) if cls.__module__ == events.__name__}
     return known
 

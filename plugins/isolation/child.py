@@ -9,6 +9,7 @@ import contextlib
 import json
 import resource
 import sys
+from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,9 @@ import numpy as np
 
 from ...agent.behavior import Behavior, Context, Proposal
 from ...agent.containment import describe
+from ...agent.declarations import declared
 from ...agent.events import Event, EventBus, Subscription
+from ...agent.fields import configured
 from ...agent.recording.codec import decode, dumps, encode, known_classes
 from ...world.robot import Image, RobotGeometry
 from ..discovery import BEHAVIORS, discover, plugins_in
@@ -36,14 +39,31 @@ def description(cls: type[Behavior]) -> dict[str, Any]:
         "initial": cls.initial.name,
         "about": (cls.__doc__ or "").strip().partition("\n")[0],
         "transitions": [
-            [
-                row.trigger,
-                [state.name for state in (row.sources if isinstance(row.sources, tuple) else (row.sources,))],
-                row.target.name,
-            ]
-            for row in cls.transitions
+            [row.trigger, [state.name for state in row.origins], row.target.name] for row in cls.transitions
         ],
+        "goal": None if cls.Goal is None else [cls.Goal.__name__, _defaults(cls.Goal)],
     }
+
+
+def _defaults(goal: type[Any]) -> list[list[Any]]:
+    """Each field of a goal: its name, then, encoded, its default if it has one."""
+    found: list[list[Any]] = []
+    for each in fields(goal):
+        if each.default_factory is not MISSING:
+            found.append([each.name, encode(each.default_factory())])
+        else:
+            found.append([each.name] if each.default is MISSING else [each.name, encode(each.default)])
+    return found
+
+
+def users_configs(cls: type[Behavior], settings: dict[str, Any]) -> dict[str, Any]:
+    """The configurations of the behaviors that one drives by, from the user's settings by name."""
+    configs: dict[str, Any] = {}
+    for child in (declared(each).cls for each in cls.children.values()):
+        if child.name in settings:
+            configs[child.name] = configured(child.name, child.Config, None, settings[child.name])
+        configs |= users_configs(child, settings)
+    return configs
 
 
 def classes_of(spec: dict[str, Any]) -> list[type[Behavior]]:
@@ -86,7 +106,7 @@ class Server:
         elif kind == Kind.START:
             self._start(json.loads(body))
         elif kind == Kind.STOP and self._context is not None:
-            self._behavior.on_stop(self._context)
+            self._behavior.stop(self._context)
             self._channel.send(Kind.DONE)
         else:
             self._channel.send(Kind.DONE)
@@ -102,8 +122,8 @@ class Server:
             time=order["time"],
             subscribe=self._subscribe,
         )
-        self._behavior.reset()
-        self._behavior.on_start(decode(order["goal"]), self._context)
+        self._behavior.adopt(users_configs(type(self._behavior), decode(order["settings"])))
+        self._behavior.start(decode(order["goal"]), self._context)
         self._channel.send(Kind.DONE)
 
     def _tick(self, body: bytes) -> None:

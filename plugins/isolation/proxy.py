@@ -9,6 +9,7 @@ import sys
 import time
 import weakref
 from collections.abc import Mapping, Sequence
+from dataclasses import field, fields, is_dataclass, make_dataclass
 from enum import Enum
 from pathlib import Path
 from typing import Any, ClassVar
@@ -110,7 +111,8 @@ class IsolatedBehavior(Behavior):
         """settings: the plugin's own. Raises: BrokenPluginError if it cannot be made with them."""
         self._settings = settings
         self._child: Subprocess | None = None
-        self._goal: Any = None
+        self._last_goal: Any = None
+        self._users: dict[str, Any] = {}
         self._heard: list[bytes] = []
         self._members = list(type(self).States)
         super().__init__(config)
@@ -120,12 +122,26 @@ class IsolatedBehavior(Behavior):
         """The subprocess resets its behavior when it is started."""
         self._heard.clear()
 
-    def on_start(self, goal: Any, context: Context) -> None:
+    def adopt(self, configs: Mapping[str, Any]) -> None:
+        """Keeps the user's settings for the behaviors that the subprocess makes."""
+        for name, config in configs.items():
+            if is_dataclass(config):
+                self._users[name] = {each.name: getattr(config, each.name) for each in fields(config)}
+
+    def fitted_goal(self, goal: Any) -> Any:
+        """The goal, or the last one where it is started again without. The subprocess checks its fields."""
+        goal = self._last_goal if goal is None else goal
+        cls = type(self).Goal
+        named = cls is not None and type(goal).__name__ == cls.__name__
+        self._last_goal = goal if named else super().fitted_goal(goal)
+        return self._last_goal
+
+    def on_start(self, context: Context) -> None:
         """Starts the behavior in the subprocess, and that before, if it is not running."""
-        self._goal = goal if goal is not None else self._goal
         geometry = encode(context.geometry)
         order = {
-            "goal": encode(self._goal),
+            "goal": encode(self.goal),
+            "settings": encode(self._users),
             "seed": int(context.rng.integers(2**63)),
             "time": context.time,
             "geometry": {name: value for name, value in geometry.items() if name != "$"},
@@ -134,8 +150,8 @@ class IsolatedBehavior(Behavior):
         child.channel.send(Kind.START, json.dumps(order).encode())
         self._wait(child, Kind.DONE, context)
 
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
-        """What the subprocess proposes."""
+    def ask(self, percept: Percept, context: Context) -> Proposal | None:
+        """What the subprocess proposes, whatever the state."""
         child = self._alive()
         for event in self._heard:
             child.channel.send(Kind.EVENT, event)
@@ -145,8 +161,7 @@ class IsolatedBehavior(Behavior):
         command, activation, reason, state, _ = unpack_proposal(body)
         if state >= len(self._members):
             raise IsolationError(f"the subprocess names state {state} of {len(self._members)}")
-        if self._members[state] is not self.state:
-            self._machine.set_state(self._members[state], self._holder)
+        self._enter_state(self._members[state])
         if command is None:
             return None
         return Proposal(WheelCommand(*command), activation, reason)
@@ -218,13 +233,26 @@ def isolated_class(spec: Mapping[str, Any], hello: Mapping[str, Any]) -> type[Is
             "States": states,
             "initial": states[hello["initial"]],
             "transitions": rows,
+            "Goal": _goal_class(*hello["goal"]) if hello["goal"] else None,
             "spec": dict(spec) | {"name": str(hello["name"])},
             "__doc__": f"{hello['about']} (isolated)",
             "__module__": __name__,
-        }
+        } | {state.name.lower(): IsolatedBehavior.ask for state in states}
     except (KeyError, TypeError, ValueError) as fault:
         raise BrokenPluginError(f"the subprocess of {dict(spec)} says nothing sensible: {fault}") from fault
     return type("Isolated", (IsolatedBehavior,), body)
+
+
+def _goal_class(name: str, described: list[list[Any]]) -> type[Any]:
+    """Stands for the goal's class: the same fields and defaults, of any type."""
+    made: list[tuple[str, Any, Any]] = []
+    for field_name, *default in described:
+        made.append((field_name, Any, _default_of(default[0]) if default else field()))
+    return make_dataclass(name, made, frozen=True)
+
+
+def _default_of(encoded: Any) -> Any:
+    return field(default_factory=lambda: decode(encoded))
 
 
 def close_all(behaviors: Sequence[Behavior]) -> None:

@@ -46,7 +46,7 @@ def trial() -> Callable[..., Trial]:
 
 @pytest.fixture
 def check_plugin() -> Callable[[type[Behavior]], None]:
-    """Fails with what is to mend unless the behavior class passes `tolman plugins check`."""
+    """Fails with what to fix unless the behavior class passes `tolman plugins check`."""
     from ..check import check_behavior
 
     def check(cls: type[Behavior]) -> None:

@@ -149,7 +149,7 @@ class Trial:
         self.behavior = behavior
         self.events: list[Event] = []
         self.proposals: list[Proposal | None] = []
-        self.states: list[Any] = [behavior.state]
+        self.states: list[Any] = [type(behavior).initial]
         self._odometry = PathIntegrator(geometry)
         self._encoders = (0.0, 0.0)
         self._tick = 0
@@ -162,8 +162,9 @@ class Trial:
             rng=np.random.default_rng(seed),
             subscribe=self.bus.subscribe,
         )
-        behavior.reset()
-        behavior.on_start(goal, self.context)
+        behavior.start(goal, self.context)
+        if behavior.state is not self.states[-1]:
+            self.states.append(behavior.state)
 
     @property
     def pose(self) -> Pose:

@@ -8,8 +8,30 @@ from typing import Any
 from tolman.agent import Agent
 from tolman.agent.behavior import Behavior, Context, Proposal
 from tolman.agent.events import BehaviorFinished
+from tolman.agent.goals import (
+    AlignToWall,
+    DrivePath,
+    ExploreLocally,
+    Follow,
+    Foray,
+    GoAlong,
+    LookAround,
+    ReacquireCorner,
+)
 from tolman.plugins.testing import ScriptedRobot
 from tolman.world.robot import Percept
+
+GOALS: dict[str, type[Any]] = {
+    "align-to-wall": AlignToWall,
+    "foray": Foray,
+    "go-to-node": GoAlong,
+    "local-exploration": ExploreLocally,
+    "local-go-to": DrivePath,
+    "look-around": LookAround,
+    "position-correction": ReacquireCorner,
+    "reactive-wall-following": Follow,
+    "wall-following": Follow,
+}
 
 
 class Idle(Enum):
@@ -24,16 +46,19 @@ class Puppet(Behavior):
     States, initial = Idle, Idle.IDLE
     goals: list[Any]
 
-    def on_start(self, goal: Any, context: Context) -> None:
-        self.goals = [*getattr(self, "goals", []), goal]
+    def on_start(self, context: Context) -> None:
+        self.goals = [*getattr(self, "goals", []), self.goal]
 
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+    def idle(self, percept: Percept, context: Context) -> Proposal | None:
         return None
 
 
 def puppets(*names: str) -> Agent:
     """An agent with a puppet of each name."""
-    made = [type(f"Puppet{index}", (Puppet,), {"name": name})() for index, name in enumerate(names)]
+    made = [
+        type(f"Puppet{index}", (Puppet,), {"name": name, "Goal": GOALS.get(name)})()
+        for index, name in enumerate(names)
+    ]
     return Agent(ScriptedRobot(), made)
 
 

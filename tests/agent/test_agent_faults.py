@@ -36,7 +36,7 @@ class Steady(Behavior):
     priority = 10
     initial = States.ON
 
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+    def on(self, percept: Percept, context: Context) -> Proposal | None:
         return Proposal(AHEAD, reason="steady")
 
 
@@ -53,7 +53,7 @@ class Faulty(Steady):
     def on_reset(self) -> None:
         self.ticks = 0
 
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+    def on(self, percept: Percept, context: Context) -> Proposal | None:
         self.ticks += 1
         if self.ticks == 3:
             result: Proposal | None = self.misdeed(context)
@@ -178,7 +178,7 @@ def test_a_fault_in_on_start_is_contained() -> None:
     class Refusing(Steady):
         name = "refusing"
 
-        def on_start(self, goal: Any, context: Context) -> None:
+        def on_start(self, context: Context) -> None:
             raise ValueError("no such goal")
 
     agent, robot, heard = agent_with(Steady(), Refusing())
@@ -206,7 +206,7 @@ def test_a_raising_handler_stops_its_behavior_and_the_wheels() -> None:
         name = "listening"
         priority = 30
 
-        def on_start(self, goal: Any, context: Context) -> None:
+        def on_start(self, context: Context) -> None:
             context.subscribe(Lost, self.hear)
 
         def hear(self, event: Lost) -> None:
@@ -226,7 +226,7 @@ def test_a_stopped_behaviors_subscriptions_end() -> None:
     class Listening(Steady):
         name = "listening"
 
-        def on_start(self, goal: Any, context: Context) -> None:
+        def on_start(self, context: Context) -> None:
             context.subscribe(Lost, heard.append)
 
     agent, _, _ = agent_with(Listening())
@@ -265,7 +265,7 @@ class Endless(Behavior):
     name = "endless"
     initial = States.ON
 
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+    def on(self, percept: Percept, context: Context) -> Proposal | None:
         while True:
             pass
 
@@ -275,10 +275,10 @@ def test_a_start_that_takes_long_by_its_nature_is_no_fault() -> None:
         name = "slow"
         slow_start = True
 
-        def on_start(self, goal: Any, context: Context) -> None:
+        def on_start(self, context: Context) -> None:
             time.sleep(0.02)
 
-        def propose(self, percept: Percept, context: Context) -> Proposal | None:
+        def on(self, percept: Percept, context: Context) -> Proposal | None:
             return None
 
     agent = Agent(ScriptedRobot(), [Slow()], limits=Limits(budget=0.01))
@@ -293,7 +293,7 @@ def test_no_behavior_can_change_what_another_sees() -> None:
         name = "vandal"
         priority = 90
 
-        def propose(self, percept: Percept, context: Context) -> Proposal | None:
+        def on(self, percept: Percept, context: Context) -> Proposal | None:
             context.time = -1.0
             context.rng.random(7)
             return None
@@ -301,7 +301,7 @@ def test_no_behavior_can_change_what_another_sees() -> None:
     class Witness(Steady):
         name = "witness"
 
-        def propose(self, percept: Percept, context: Context) -> Proposal | None:
+        def on(self, percept: Percept, context: Context) -> Proposal | None:
             seen.append((context.time, context.rng.random()))
             return None
 
@@ -348,7 +348,7 @@ def test_a_finished_behavior_leaves_and_says_what_came_of_it() -> None:
     class Brief(Steady):
         name = "brief"
 
-        def propose(self, percept: Percept, context: Context) -> Proposal | None:
+        def on(self, percept: Percept, context: Context) -> Proposal | None:
             self.finish(True, "there", result=4)
             return None
 

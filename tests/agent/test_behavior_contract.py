@@ -35,7 +35,10 @@ class Light(Behavior):
     def on_reset(self) -> None:
         self.resets += 1
 
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+    def red(self, percept: Percept, context: Context) -> Proposal | None:
+        return Proposal(STOP)
+
+    def green(self, percept: Percept, context: Context) -> Proposal | None:
         return Proposal(STOP)
 
 

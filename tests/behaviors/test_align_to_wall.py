@@ -5,7 +5,7 @@ import math
 import pytest
 from tolman.agent import Agent
 from tolman.agent.events import BehaviorFaulted, BehaviorFinished, Event
-from tolman.agent.maneuvers import AlignToWall
+from tolman.agent.goals import AlignToWall
 from tolman.behaviors.align_to_wall import Aligning, AlignToWallBehavior
 from tolman.plugins.testing import Trial, assert_stands, assert_states, event_of, percept
 from tolman.world import open_world

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tolman.agent import Agent
 from tolman.agent.events import BehaviorFinished, Event
-from tolman.agent.maneuvers import Dock
+from tolman.agent.goals import Dock
 from tolman.behaviors.dock import DockBehavior
 from tolman.plugins.testing import Trial, event_of, percept
 from tolman.world import open_world

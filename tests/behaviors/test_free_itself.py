@@ -18,7 +18,7 @@ class Stubborn(Behavior):
     priority = 10
     initial = States.ON
 
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+    def on(self, percept: Percept, context: Context) -> Proposal | None:
         return Proposal(WheelCommand(250.0, 250.0), reason="ahead")
 
 

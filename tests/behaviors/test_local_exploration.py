@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from tolman.agent import Agent
+from tolman.agent import Agent, GoalError
 from tolman.agent.events import BehaviorFinished, Event
 from tolman.agent.goals import ExploreLocally, LocalSamples
 from tolman.agent.walls import walls_at
@@ -137,5 +137,5 @@ def test_it_looks_around_first() -> None:
 
 
 def test_only_an_explore_locally_goal_is_taken() -> None:
-    with pytest.raises(TypeError, match="needs an ExploreLocally goal, not None"):
-        Trial(LocalExploration())
+    with pytest.raises(GoalError, match="local-exploration needs an ExploreLocally goal, not 7"):
+        Trial(LocalExploration(), goal=7)

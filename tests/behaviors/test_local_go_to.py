@@ -9,7 +9,6 @@ from tolman.agent import Agent
 from tolman.agent.estimation.local_filter import LocalPose
 from tolman.agent.events import BehaviorFinished
 from tolman.agent.goals import DrivePath, PlacesDriven
-from tolman.agent.local_goals import DrivePathWithLandmarks
 from tolman.agent.walls import walls_at
 from tolman.behaviors.local_go_to import LocalGoing, LocalGoTo
 from tolman.plugins.testing import Trial, assert_states, assert_valid, percept
@@ -100,7 +99,7 @@ def driven(landmarks: bool, seed: int) -> tuple[Pose, Pose]:
     pose = LocalPose(square=True)
     pose.know_corner("concave", walls_at("right", "concave", square=True, distance=0.057))
     round_ = ((-0.04, 0.0), (-0.08, 0.04), (-0.04, 0.08), (0.0, 0.04), (0.0, 0.0))
-    by_walls = DrivePathWithLandmarks(round_ * 2, pose.belief(), heading=0.0, fix=True)
+    by_walls = DrivePath(round_ * 2, belief=pose.belief(), heading=0.0, fix=True)
     agent.start("local-go-to", by_walls if landmarks else DrivePath(round_ * 2, heading=0.0))
     for _ in range(8000):
         agent.tick()

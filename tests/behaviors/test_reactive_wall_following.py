@@ -22,8 +22,10 @@ class _Still:
 
 def command(side: str, infrared: tuple[float, ...]) -> WheelCommand:
     follower = ReactiveWallFollowing()
-    follower.on_start(Follow(side), _Still())  # type: ignore[arg-type]
-    return follower.propose(Percept(0, 0.0, infrared, (0.0, 0.0)), _Still()).command  # type: ignore[arg-type]
+    follower.start(Follow(side), _Still())  # type: ignore[arg-type]
+    proposal = follower.propose(Percept(0, 0.0, infrared, (0.0, 0.0)), _Still())  # type: ignore[arg-type]
+    assert proposal is not None
+    return proposal.command
 
 
 @given(percepts)
@@ -53,7 +55,7 @@ def test_a_near_wall_at_the_side_attracts_until_it_is_too_near() -> None:
 
 def test_it_refuses_a_goal_that_is_no_follow() -> None:
     with pytest.raises(TypeError, match="needs a Follow goal"):
-        ReactiveWallFollowing().on_start("right", _Still())  # type: ignore[arg-type]
+        ReactiveWallFollowing().start("right", _Still())  # type: ignore[arg-type]
 
 
 @pytest.mark.slow

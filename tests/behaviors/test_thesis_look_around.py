@@ -54,4 +54,4 @@ def test_without_views_it_only_turns() -> None:
 
 def test_it_refuses_another_goal() -> None:
     with pytest.raises(TypeError, match="needs a LookAround goal"):
-        LookAroundBehavior().on_start(1.0, None)  # type: ignore[arg-type]
+        LookAroundBehavior().start(1.0, None)  # type: ignore[arg-type]

@@ -163,7 +163,7 @@ def test_searching_it_drives_on_until_a_wall_is_ahead_then_turns_away_from_it() 
     assert_drives_forward(trial.run(ticks=20))
     trial.step(percept(front=0.02))
     assert_turns(trial.step(percept(front=0.02)), "left")
-    assert_states(trial.states, Following.SEARCH, Following.CONCAVE)
+    assert_states(trial.states, Following.SEARCH, Following.TURN_AWAY)
 
 
 def test_beside_a_wall_it_keeps_its_distance() -> None:

@@ -4,8 +4,9 @@ import random
 import subprocess
 import sys
 import time
+from dataclasses import dataclass
 from enum import Enum
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import pytest
 from tolman.agent import Behavior, Context, Proposal, Transition
@@ -29,14 +30,16 @@ class Good(Behavior):
     priority = 1
     initial = States.ON
 
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+    def on(self, percept: Percept, context: Context) -> Proposal | None:
+        """What it does."""
         return Proposal(WheelCommand(100.0, 100.0), reason="ahead")
 
 
 class NotFinite(Good):
     """Divides by a sensor."""
 
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+    def on(self, percept: Percept, context: Context) -> Proposal | None:
+        """What it does."""
         return Proposal(WheelCommand(float("nan"), 1.0), reason="x")
 
 
@@ -45,7 +48,8 @@ class Forgetful(Good):
 
     count = 0
 
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+    def on(self, percept: Percept, context: Context) -> Proposal | None:
+        """What it does."""
         self.count += 1
         return Proposal(WheelCommand(self.count % 500, 0.0), reason="count")
 
@@ -53,14 +57,16 @@ class Forgetful(Good):
 class Dicing(Good):
     """Takes its randomness from elsewhere."""
 
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+    def on(self, percept: Percept, context: Context) -> Proposal | None:
+        """What it does."""
         return Proposal(WheelCommand(random.random(), 0.0), reason="dice")
 
 
 class Slow(Good):
     """Dawdles."""
 
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+    def on(self, percept: Percept, context: Context) -> Proposal | None:
+        """What it does."""
         time.sleep(0.001)
         return None
 
@@ -68,7 +74,8 @@ class Slow(Good):
 class Flooding(Good):
     """Publishes without end."""
 
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+    def on(self, percept: Percept, context: Context) -> Proposal | None:
+        """What it does."""
         for _ in range(200):
             context.publish(Lost(time=context.time, reason="x"))
         return None
@@ -77,7 +84,8 @@ class Flooding(Good):
 class Mute(Good):
     """Says nothing about why."""
 
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+    def on(self, percept: Percept, context: Context) -> Proposal | None:
+        """What it does."""
         return Proposal(WheelCommand(1.0, 1.0))
 
 
@@ -92,6 +100,10 @@ class Unreachable(Good):
 
     initial = States.ON  # type: ignore[assignment]
     transitions: ClassVar[tuple[Transition, ...]] = (Transition("on", States.OFF, States.ON),)
+
+    def off(self, percept: Percept, context: Context) -> Proposal | None:
+        """What it does."""
+        return None
 
 
 class Misnamed(Good):
@@ -121,15 +133,15 @@ Undocumented.__doc__ = None
         (Undocumented, "documentation", "no docstring"),
     ],
 )
-def test_each_kind_of_fault_is_found_and_what_to_mend_is_said(
+def test_each_kind_of_fault_is_found_and_what_to_fix_is_said(
     cls: type[Behavior], check: str, said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("tolman.plugins.check._no_simulator", lambda cls: iter(()))
     report = check_behavior(cls, ticks=100)
-    failed = {finding.check: finding.mend for finding in report.findings if not finding.passed}
+    failed = {finding.check: finding.fix for finding in report.findings if not finding.passed}
     assert said in failed.get(check, f"passed; failed: {failed}")
     assert not report.passed
-    assert f"MEND {check}" in report.text()
+    assert f"FIX  {check}" in report.text()
 
 
 @pytest.mark.parametrize("name", sorted(BUILT_IN))
@@ -150,13 +162,21 @@ def test_no_built_in_behavior_loads_a_simulator() -> None:
 
 
 def test_a_goal_that_is_refused_is_a_finding(monkeypatch: pytest.MonkeyPatch) -> None:
+    @dataclass(frozen=True)
+    class Number:
+        """value: must be 7."""
+
+        value: int = 0
+
     class Wanting(Good):
         """Wants a goal."""
 
-        def on_start(self, goal: Any, context: Context) -> None:
-            if goal != 7:
+        Goal = Number
+
+        def on_start(self, context: Context) -> None:
+            if self.goal.value != 7:
                 raise ValueError("the goal must be 7")
 
     monkeypatch.setattr("tolman.plugins.check._no_simulator", lambda cls: iter(()))
     assert not check_behavior(Wanting, ticks=10).passed
-    assert check_behavior(Wanting, 7, ticks=10).passed
+    assert check_behavior(Wanting, Number(7), ticks=10).passed

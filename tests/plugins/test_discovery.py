@@ -36,7 +36,7 @@ class Circle(Behavior):
     name = "{name}"
     initial = States.ON
     Config = CircleConfig
-    def propose(self, percept, context):
+    def on(self, percept, context):
         return Proposal(WheelCommand(self.config.speed, 0.5 * self.config.speed))
 
 class Last:
@@ -100,7 +100,7 @@ def test_a_class_that_breaks_the_contract_is_named(tmp_path: Path) -> None:
     path = tmp_path / "stateless.py"
     path.write_text(
         "from tolman.agent import Behavior\n"
-        "class Stateless(Behavior):\n    name = 'stateless'\n    def propose(self, p, c): ...\n"
+        "class Stateless(Behavior):\n    name = 'stateless'\n    def on(self, p, c): ...\n"
     )
     with pytest.raises(BrokenPluginError, match=r"stateless\.py: stateless: declare `States`"):
         plugins_in(path)

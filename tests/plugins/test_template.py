@@ -23,8 +23,8 @@ def test_a_new_plugins_test_passes_at_once_and_fails_when_its_body_is_emptied(tm
     assert done.returncode == 0, done.stdout
     tree = ast.parse(behavior.read_text())
     for node in ast.walk(tree):
-        if isinstance(node, ast.FunctionDef) and node.name == "propose":
-            node.body = [ast.Return(ast.Constant(None))]
+        if isinstance(node, ast.FunctionDef) and node.name in ("ahead", "turning"):
+            node.body = [node.body[0], ast.Return(ast.Constant(None))]
     behavior.write_text(ast.unparse(ast.fix_missing_locations(tree)))
     done = run_test(test)
     assert done.returncode == 1

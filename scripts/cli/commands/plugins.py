@@ -60,7 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Does what the action says. Status 1: a checked plugin is to mend."""
+    """Does what the action says. Status 1: a checked plugin does not conform."""
     if options.action == "list":
         return _list(discover(options.plugins), options.json)
     if options.name is None:
@@ -115,7 +115,7 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def _plain(report: Report) -> dict[str, Any]:
-    findings = [{"check": f.check, "passed": f.passed, "mend": f.mend} for f in report.findings]
+    findings = [{"check": f.check, "passed": f.passed, "fix": f.fix} for f in report.findings]
     return {"name": report.name, "passed": report.passed, "findings": findings}
 
 
@@ -150,7 +150,7 @@ COMMAND = Command(
     "plugins",
     "list, check, write and draw behaviors",
     "Lists the behaviors and mediators that are found; `check NAME-OR-PATH` says whether one keeps the\n"
-    "contract and what to mend; `new NAME` writes a behavior with its test; `diagram NAME` draws its states.",
+    "contract and what to fix; `new NAME` writes a behavior with its test; `diagram NAME` draws its states.",
     add_arguments,
     run,
 )

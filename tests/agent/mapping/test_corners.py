@@ -35,14 +35,17 @@ SQUARE = [("concave", 1.0, QUARTER)] * 4
 
 class WallPuppet(Puppet):
     name = "wall-following"
+    Goal = Follow
 
 
 class ExplorationPuppet(Puppet):
     name = "local-exploration"
+    Goal = ExploreLocally
 
 
 class CorrectionPuppet(Puppet):
     name = "position-correction"
+    Goal = ReacquireCorner
 
 
 class Drive:

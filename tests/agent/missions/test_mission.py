@@ -8,8 +8,8 @@ import pytest
 from tolman.agent import Agent
 from tolman.agent.errors import StepFailedError
 from tolman.agent.events import Event, Lost, MissionEnded, NodeReached, Said, StepEnded
+from tolman.agent.goals import Foray
 from tolman.agent.listener import Outcome
-from tolman.agent.maneuvers import Foray
 from tolman.agent.missions.journal import Journal
 from tolman.agent.missions.mission import Mission, MissionRunner, Status
 from tolman.agent.missions.steps import (

@@ -17,6 +17,7 @@ from .rings import QUARTER, SQUARE, ring
 
 class GoPuppet(Puppet):
     name = "go-to-node"
+    Goal = GoAlong
 
 
 def navigator(graph: HybridMap, node: int) -> tuple[Navigator, GoPuppet, Agent, list[Event]]:

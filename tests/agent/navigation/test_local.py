@@ -11,7 +11,6 @@ from tolman.agent.behavior import Behavior, Context, Proposal
 from tolman.agent.estimation.local_filter import LocalPose
 from tolman.agent.events import BehaviorFinished
 from tolman.agent.goals import DrivePath, PlacesDriven
-from tolman.agent.local_goals import DrivePathWithLandmarks, PlacesByWalls
 from tolman.agent.navigation.local import LocalNavigator, is_square
 from tolman.maps.errors import MapError
 from tolman.maps.hybrid_map import HybridMap
@@ -31,13 +30,14 @@ class LocalPuppet(Behavior):
     """Proposes nothing; keeps the goals it was given."""
 
     name = "local-go-to"
+    Goal = DrivePath
     States, initial = Idle, Idle.IDLE
     goals: list[Any]
 
-    def on_start(self, goal: Any, context: Context) -> None:
-        self.goals = [*getattr(self, "goals", []), goal]
+    def on_start(self, context: Context) -> None:
+        self.goals = [*getattr(self, "goals", []), self.goal]
 
-    def propose(self, percept: Percept, context: Context) -> Proposal | None:
+    def idle(self, percept: Percept, context: Context) -> Proposal | None:
         return None
 
 
@@ -74,7 +74,8 @@ def test_in_a_local_map_it_drives_from_unit_to_unit() -> None:
     goal = farthest(trip)
     trip.go(goal)
     through = puppet.goals[-1]
-    assert isinstance(through, DrivePathWithLandmarks)
+    assert isinstance(through, DrivePath)
+    assert through.belief is not None
     assert through.places[-1] == pytest.approx(trip.local_map.position(goal))
     end = Pose(*through.places[-1], 0.7)
     finish(agent, "local-go-to", True, PlacesDriven(len(through.places), end))
@@ -117,10 +118,11 @@ def arrive(agent: Agent, puppet: LocalPuppet, pose: LocalPose) -> None:
     """The behavior has driven all it was asked to, and holds this pose now."""
     places = puppet.goals[-1].places
     pose.x, pose.y = places[-1]
-    finish(agent, "local-go-to", True, PlacesByWalls(len(places), pose.pose, pose.belief()))
+    finish(agent, "local-go-to", True, PlacesDriven(len(places), pose.pose, pose.belief()))
 
 
-def known(goal: DrivePathWithLandmarks) -> LocalPose:
+def known(goal: DrivePath) -> LocalPose:
+    assert goal.belief is not None
     return LocalPose.of(goal.belief)
 
 
@@ -168,7 +170,7 @@ def test_a_vantage_point_that_cannot_be_reached_is_left_out() -> None:
     trip.home()
     through = puppet.goals[-1]
     finish(
-        agent, "local-go-to", False, PlacesByWalls(len(through.places) - 1, Pose(), through.belief), "blocked"
+        agent, "local-go-to", False, PlacesDriven(len(through.places) - 1, Pose(), through.belief), "blocked"
     )
     assert not trip.done
     assert puppet.goals[-1].places[-1] == pytest.approx((-0.087, 0.0))

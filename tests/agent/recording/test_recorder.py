@@ -38,12 +38,15 @@ class Curious(Behavior):
     def on_reset(self) -> None:
         self.gain = 1.0
 
-    def propose(self, percept: RobotPercept, context: Context) -> Proposal | None:
+    def on(self, percept: RobotPercept, context: Context) -> Proposal | None:
         if percept.tick % 5 == 0:
             brightness = float(context.look().mean())
             context.publish(PluginEvent(time=context.time, name="seen", data={"brightness": brightness}))
         speed = self.gain * float(context.rng.normal(200.0, 50.0)) + 0.01 * percept.infrared[2]
         return Proposal(WheelCommand(speed, -speed), 0.5, "curious")
+
+    def off(self, percept: RobotPercept, context: Context) -> Proposal | None:
+        return None
 
 
 def record(path: Path, ticks: int = 40, truth: bool = True) -> Recorder:
@@ -101,7 +104,7 @@ def test_a_replay_of_the_same_agent_is_identical_to_the_bit(tmp_path: Path) -> N
 class Ranging(Curious):
     """Slows down by what a further sensor reads, and looks in color."""
 
-    def propose(self, percept: RobotPercept, context: Context) -> Proposal | None:
+    def on(self, percept: RobotPercept, context: Context) -> Proposal | None:
         (ahead,) = percept.readings["range"]
         return Proposal(WheelCommand(100.0 * ahead, 100.0 * ahead), 0.5, "ranging")
 
@@ -131,8 +134,8 @@ class Changed(Curious):
 
     how = "command"
 
-    def propose(self, percept: RobotPercept, context: Context) -> Proposal | None:
-        proposal = super().propose(percept, context)
+    def on(self, percept: RobotPercept, context: Context) -> Proposal | None:
+        proposal = super().on(percept, context)
         if percept.tick < 13 or proposal is None:
             return proposal
         if self.how == "command":

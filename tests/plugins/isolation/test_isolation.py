@@ -27,6 +27,11 @@ class Settings:
     speed: float = 100.0
     misdeed: str = ""
 
+@dataclass(frozen=True, slots=True)
+class Visit:
+    """end: whether it finishes in tick 5."""
+    end: bool = False
+
 class Guest(Behavior):
     """Drives ahead, and says what it is told to."""
     class States(Enum):
@@ -37,22 +42,23 @@ class Guest(Behavior):
     initial = States.FIRST
     transitions = (Transition("go", States.FIRST, States.LATER),)
     Config = Settings
+    Goal = Visit
     def on_reset(self):
         self.ticks = 0
         self.heard = 0
-        self.goal = None
-    def on_start(self, goal, context):
-        self.goal = goal
+    def on_start(self, context):
         context.subscribe(Lost, self.hear)
     def hear(self, event):
         self.heard += 1
-    def propose(self, percept, context):
+    def later(self, percept, context):
+        return self.first(percept, context)
+    def first(self, percept, context):
         self.ticks += 1
         if self.ticks == 2:
             self.fire("go")
         if self.ticks == 3:
             self.misbehave(context)
-        if self.ticks == 5 and self.goal == "finish":
+        if self.ticks == 5 and self.goal.end:
             self.finish(True, "enough", result=(self.heard, self.ticks))
             return None
         return Proposal(WheelCommand(self.config.speed, percept.infrared[2]), 0.5, f"tick {self.ticks}")
@@ -119,7 +125,7 @@ def test_an_isolated_behavior_proposes_what_it_would_in_the_process(guest: Make,
 
 
 def test_it_hears_events_looks_publishes_and_finishes(guest: Make) -> None:
-    _, _, heard = run(guest(misdeed="look"), 6, goal="finish")
+    _, _, heard = run(guest(misdeed="look"), 6, goal={"end": True})
     seen = event_of(heard, PluginEvent)
     assert seen.data["sum"] == pytest.approx(128.0)
     finished = event_of(heard, BehaviorFinished)
@@ -140,7 +146,7 @@ def test_whatever_it_does_costs_one_tick_and_it_is_back(
     guest: Make, misdeed: str, said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("tolman.plugins.isolation.proxy.ANSWER_TIMEOUT", 2.0 if misdeed == "hang" else 60.0)
-    agent, robot, heard = run(guest(misdeed=misdeed, speed=150.0), 5, goal="kept")
+    agent, robot, heard = run(guest(misdeed=misdeed, speed=150.0), 5, goal={"end": False})
     fault = event_of(heard, BehaviorFaulted)
     assert said in fault.fault
     assert fault.state == "LATER"

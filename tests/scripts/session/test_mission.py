@@ -227,7 +227,7 @@ class Crashing(Behavior):
     initial = States.ON
     def on_reset(self):
         self.ticks = 0
-    def propose(self, percept, context):
+    def on(self, percept, context):
         self.ticks += 1
         if self.ticks == 10:
             os._exit(3)

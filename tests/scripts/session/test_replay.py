@@ -181,8 +181,6 @@ class Loud(Behavior):
     initial = States.ON
     def on(self, percept, context):
         return None
-    def propose(self, percept, context):
-        return None
 """
 
 

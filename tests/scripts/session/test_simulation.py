@@ -35,7 +35,7 @@ class Straight(Behavior):
     priority = 90
     initial = States.ON
 
-    def propose(self, percept: Percept, context: Context) -> Proposal:
+    def on(self, percept: Percept, context: Context) -> Proposal:
         """Ahead."""
         return Proposal(WheelCommand(300.0, 300.0), reason="straight on")
 

@@ -33,5 +33,5 @@ class RoundRobin:
         return Decision(chosen.name, chosen.proposal.command, "its turn")
 
     def reset(self) -> None:
-        """Begins anew."""
+        """Begins again."""
         self._used = 0

@@ -39,7 +39,7 @@ def test_a_plugin_to_mend_gives_status_1_and_what_to_mend(
     path = tmp_path / "turn_back.py"
     path.write_text(path.read_text().replace("WheelCommand(speed, speed)", "WheelCommand(speed, 1 / 0)"))
     assert execute(["plugins", "check", str(path)]) == 1
-    assert "MEND sane proposals: ZeroDivisionError" in capsys.readouterr().out
+    assert "FIX  sane proposals: ZeroDivisionError" in capsys.readouterr().out
 
 
 def test_a_diagram_is_printed_or_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
