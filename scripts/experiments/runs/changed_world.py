@@ -25,6 +25,7 @@ from typing import Any
 
 import numpy as np
 
+from ....agent.walls import WALL_DISTANCE
 from ....maps.hybrid_map import HybridMap
 from ....world.arenas.catalog import find_world
 from ....world.geometry import Plan
@@ -133,10 +134,10 @@ def _added(
         if change == "added":
             depth = float(rng.uniform(0.05, 0.14))
         elif across < 0.45:
-            depth = across + 0.057
+            depth = across + WALL_DISTANCE
         else:
             continue
-        middle = place.compose(0.0, toward * (0.057 - 0.5 * depth))
+        middle = place.compose(0.0, toward * (WALL_DISTANCE - 0.5 * depth))
         return Box(middle.x, middle.y, width, depth, heading)
     raise ValueError(f"no passage to shut in {spec.name!r}")
 
