@@ -7,13 +7,12 @@ events of PyYAML's C parser, or of its Python one where that is missing.
 
 from __future__ import annotations
 
+import importlib
 import math
 import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, TypeVar
-
-import yaml
 
 from .messages import FileError, did_you_mean, nearest, printable, quoted
 
@@ -28,7 +27,6 @@ MAX_NUMBER = 1e6
 Scalar = str | int | float | bool | None
 T = TypeVar("T")
 
-_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _INTEGER = re.compile(r"[-+]?[0-9]+", re.ASCII)
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?", re.ASCII)
 _NOT_FINITE = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)", re.ASCII)
@@ -259,8 +257,9 @@ def parse_yaml(text: str, source: str, fault: type[Exception] = FileError, depth
         raise document.error(
             text.count("\n", 0, place.start()) + 1, "directives such as %YAML are not allowed"
         )
+    yaml: Any = importlib.import_module("yaml")  # here, so that what may read a file loads no parser
     try:
-        return _Builder(document, depth).build(text)
+        return _Builder(document, depth).build(text, yaml)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         problem = " ".join(f"not valid YAML: {error.problem or error.context}".split())
@@ -270,6 +269,10 @@ def parse_yaml(text: str, source: str, fault: type[Exception] = FileError, depth
         raise fault(f"{printable(source)}: not valid YAML: {printable(problem)}") from None
     except UnicodeEncodeError:
         raise fault(f"{printable(source)}: not valid YAML: characters that UTF-8 cannot hold") from None
+
+
+def _loader(yaml: Any) -> Any:
+    return getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 class _Builder:
@@ -283,8 +286,8 @@ class _Builder:
         self._top: Entry | None = None
         self._count = 0
 
-    def build(self, text: str) -> Entry:
-        events: Any = yaml.parse(text, Loader=_LOADER)
+    def build(self, text: str, yaml: Any) -> Entry:
+        events = yaml.parse(text, Loader=_loader(yaml))
         for event in events:
             kind = type(event)
             if kind is yaml.ScalarEvent:

@@ -21,7 +21,7 @@ def parse(text: str) -> Entry:
 @pytest.fixture(params=["C", "Python"])
 def _parser(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     if request.param == "Python":
-        monkeypatch.setattr(yaml_nodes, "_LOADER", yaml.SafeLoader)
+        monkeypatch.setattr(yaml_nodes, "_loader", lambda yaml: yaml.SafeLoader)
 
 
 @pytest.mark.usefixtures("_parser")
