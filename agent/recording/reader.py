@@ -6,10 +6,11 @@ import base64
 import json
 import zlib
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
+from functools import cache
 from io import BytesIO
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, get_args, get_origin, get_type_hints
 
 import numpy as np
 
@@ -220,22 +221,36 @@ def _header(record: Mapping[str, str]) -> Mapping[str, Any]:
 
 
 def percept_of(value: Mapping[str, Any]) -> Percept:
-    """A percept from its fields by name; what this tolman does not know is refused."""
-    known = {each.name for each in fields(Percept)}
-    if further := sorted(set(value) - known):
-        raise RecordingError(f"percepts with {quoted(further[0])}; known: {', '.join(sorted(known))}")
-    return Percept(**{name: _measured(each) for name, each in value.items()})
+    """A percept from its fields by name. Raises: RecordingError for others than are known here."""
+    hints = _hints()
+    for name, each in value.items():
+        if name not in hints:
+            raise RecordingError(f"percepts with {quoted(name)}; known: {', '.join(hints)}")
+        if not _fits(each, hints[name]):
+            raise RecordingError(f"a percept with {quoted(each)} for {name}")
+    return Percept(**{name: _fixed(each) for name, each in value.items()})
 
 
-def _measured(value: Any) -> Any:
-    """Numbers, tuples of them, or such by name."""
-    if isinstance(value, list):
-        return tuple(_measured(each) for each in value)
+@cache
+def _hints() -> dict[str, Any]:
+    return get_type_hints(Percept)
+
+
+def _fits(value: Any, hint: Any) -> bool:
+    """Whether JSON holds what a percept's field is: a number, a list of numbers, or such by name."""
+    kinds = get_args(hint)
+    if get_origin(hint) is tuple:
+        counts = Ellipsis in kinds or (isinstance(value, list) and len(value) == len(kinds))
+        return isinstance(value, list) and counts and all(_fits(each, kinds[0]) for each in value)
+    if kinds:
+        return isinstance(value, dict) and all(_fits(each, kinds[-1]) for each in value.values())
+    return isinstance(value, int if hint is int else int | float) and not isinstance(value, bool)
+
+
+def _fixed(value: Any) -> Any:
     if isinstance(value, dict):
-        return {name: _measured(each) for name, each in value.items()}
-    if isinstance(value, int | float):
-        return value
-    raise RecordingError(f"a percept holds numbers, not {quoted(value)}")
+        return {name: _fixed(each) for name, each in value.items()}
+    return tuple(value) if isinstance(value, list) else value
 
 
 def _image(tick: RecordedTick, value: Mapping[str, Any]) -> None:

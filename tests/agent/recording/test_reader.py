@@ -6,6 +6,7 @@ import pytest
 from mcap.writer import CompressionType, Writer
 from tolman.agent.errors import RecordingError
 from tolman.agent.recording.reader import percept_of, read_recording
+from tolman.world.robot import Percept
 
 
 def write_mcap(path: Path, header: str, messages: bytes = b"") -> None:
@@ -38,9 +39,30 @@ def test_what_unpacks_to_many_times_its_size_is_refused(
         read_recording(path)
 
 
-def test_a_percept_with_what_is_not_known_here_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(RecordingError, match=r"percepts with 'smell'; known: .*infrared"):
-        percept_of({"tick": 1, "time": 0.0, "infrared": [], "encoders": [0, 0], "smell": 1})
+PERCEPT = {"tick": 1, "time": 0.0, "infrared": [0, 1.5], "encoders": [0, 0], "readings": {"range": [0.5]}}
+
+
+def test_a_percept_comes_back_by_its_fields() -> None:
+    assert percept_of(PERCEPT) == Percept(1, 0.0, (0, 1.5), (0, 0), readings={"range": (0.5,)})
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "said"),
+    [
+        ("smell", 1, r"percepts with 'smell'; known: .*infrared"),
+        ("tick", 1.5, "a percept with 1.5 for tick"),
+        ("tick", True, "a percept with True for tick"),
+        ("time", [0], "for time"),
+        ("infrared", 5, "for infrared"),
+        ("infrared", ["a"], "for infrared"),
+        ("encoders", [1, 2, 3], "for encoders"),
+        ("readings", [1], "for readings"),
+        ("readings", {"range": 0.5}, "for readings"),
+    ],
+)
+def test_a_percept_that_is_none_is_refused(field: str, value: object, said: str) -> None:
+    with pytest.raises(RecordingError, match=said):
+        percept_of({**PERCEPT, field: value})
 
 
 def test_a_missing_recording_is_named(tmp_path: Path) -> None:
