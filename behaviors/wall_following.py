@@ -18,6 +18,7 @@ from ..agent.goals import Follow, FollowFrom
 from ..agent.motion import drive_command, is_free, obstacles, spin_command
 from ..agent.perception.side_view import SideView, WallCourse
 from ..agent.perception.wall_filter import SideWall
+from ..agent.walls import WALL_DISTANCE
 from ..world.robot import STOP, Percept, wrap_angle
 
 _PARALLEL = 5
@@ -52,7 +53,7 @@ class WallFollowingConfig:
     a corner before that is told.
     """
 
-    distance: float = 0.057
+    distance: float = WALL_DISTANCE
     speed: float = 233.0
     blind_speed: float = 117.0
     turn_speed: float = 233.0
