@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from ...maps.boundary.layout import PLACE
+from ...maps.boundary.layout import place_in
 from ...maps.boundary.walk import close_polygon, onward, walk
 from ...world.robot import Pose
 from ..boundary.trace import BoundaryTrace, Corner
@@ -78,7 +78,7 @@ def outline_from(hybrid: HybridMap, first: int) -> Outline | None:
     if not way.closed:
         return None
     data = [hybrid.graph.nodes[node] for node in way.nodes]
-    x, y = data[0]["notes"].get(PLACE, (0.0, 0.0))
+    x, y = place_in(data[0]["notes"]) or (0.0, 0.0)
     corners = [str(entry["corner"]) for entry in data]
     turns = [float(entry["turn"]) for entry in data]
     points = closed_points(corners, turns, way.lengths, Pose(x, y, data[0]["entry_heading"]))
@@ -112,7 +112,7 @@ def outlines(hybrid: HybridMap) -> list[Outline]:
     found = []
     seen: set[int] = set()
     for node in hybrid.nodes():
-        if node in seen or (node and PLACE not in hybrid.graph.nodes[node]["notes"]):
+        if node in seen or (node and place_in(hybrid.graph.nodes[node]["notes"]) is None):
             continue
         outline = outline_from(hybrid, node)
         if outline is not None:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
+from ..fields import MAX_METERS
 from .walk import Walk, close_polygon, onward, walk
 
 if TYPE_CHECKING:
@@ -49,22 +51,21 @@ def _laid_out(hybrid: HybridMap, way: Walk) -> dict[int, Point]:
     return dict(zip(way.nodes, points, strict=False))
 
 
-def _known_place(hybrid: HybridMap, part: dict[int, Point]) -> Point | None:
-    """By how much a part is to be moved so that a node with a note lies where that says; None without one."""
-    for node, (x, y) in part.items():
-        place = hybrid.graph.nodes[node]["notes"].get(PLACE)
-        if is_point(place):
-            return float(place[0]) - x, float(place[1]) - y
+def place_in(notes: Mapping[str, Any]) -> Point | None:
+    """The place (m) in a node's notes, None without one; as notes are free, anything may be there."""
+    match notes.get(PLACE):
+        case [int() | float() as x, int() | float() as y] if abs(x) <= MAX_METERS and abs(y) <= MAX_METERS:
+            return float(x), float(y)
     return None
 
 
-def is_point(value: object) -> bool:
-    """Notes are free: anything may stand there."""
-    return (
-        isinstance(value, list)
-        and len(value) == 2
-        and all(isinstance(number, (int, float)) and math.isfinite(number) for number in value)
-    )
+def _known_place(hybrid: HybridMap, part: dict[int, Point]) -> Point | None:
+    """By how much a part is to be moved so that a node with a note lies where that says; None without one."""
+    for node, (x, y) in part.items():
+        place = place_in(hybrid.graph.nodes[node]["notes"])
+        if place is not None:
+            return place[0] - x, place[1] - y
+    return None
 
 
 def _starts(hybrid: HybridMap, side: str) -> list[int]:

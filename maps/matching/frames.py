@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..boundary.layout import PLACE, Point, layout
+from ..boundary.layout import Point, layout, place_in
 
 if TYPE_CHECKING:
     from ..boundary.walk import Boundary
@@ -57,4 +57,4 @@ class Frames:
 
 def has_place(hybrid: HybridMap, boundary: Boundary) -> bool:
     """Whether the map knows where a boundary lies in its frame."""
-    return any(PLACE in hybrid.graph.nodes[node]["notes"] for node in boundary.nodes)
+    return any(place_in(hybrid.graph.nodes[node]["notes"]) is not None for node in boundary.nodes)

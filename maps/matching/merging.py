@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..boundary.layout import PLACE, is_point
+from ..boundary.layout import PLACE, place_in
 from ..fields import Arc
 from ..hybrid_map import HybridMap
 from ..local.local_map import LocalMap
@@ -98,8 +98,8 @@ def _add(
         local_map=_turned(other, partner, rotation),
         notes=data["notes"],
     )
-    if is_point(place := data["notes"].get(PLACE)):
-        merged.annotate(node, **{PLACE: list(frames.moved((place[0], place[1])))})
+    if (place := place_in(data["notes"])) is not None:
+        merged.annotate(node, **{PLACE: list(frames.moved(place))})
     names = {entry["name"] for _, entry in merged.graph.nodes(data=True)}
     if data["name"] != f"n{partner}" and data["name"] not in names:
         merged.rename(node, data["name"])

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 from tolman.files.messages import FileError
-from tolman.maps import HybridMap, MapError, export, recover, validate
+from tolman.maps import HybridMap, LocalMap, MapError, MapFile, export, recover, validate
 from tolman.scripts.cli.commands.info import summary, table
 from tolman.scripts.drawing.map_picture import plot_map
 from tolman.world.errors import WorldError
@@ -31,7 +31,7 @@ KNOWN = (MapError, FileError, WorldError)
 def commands(count: int, seed: int, folder: Path, plotted: int = 500) -> Counter[str]:
     """Takes `count` crafted files through all of it, counts how each ended; `plotted` of them are drawn."""
     source = folder / "source.tolman"
-    map_made_up_world(source, 4, 1)
+    make_source(source)
     result: Counter[str] = Counter()
     for first in range(0, count, 250):
         numbers = range(first, min(first + 250, count))
@@ -52,6 +52,19 @@ def commands(count: int, seed: int, folder: Path, plotted: int = 500) -> Counter
     result["peak memory of a reader, MB"] = peak
     result["over the memory limit"] = int(peak > MEMORY_LIMIT_MB)
     return result
+
+
+def make_source(path: Path) -> None:
+    """A small map with all that a file can hold; one local map has views, one has none."""
+    map_made_up_world(path, 4, 1)
+    with MapFile.resume(path) as file:
+        bare = LocalMap.build(np.random.default_rng(1).uniform(-0.1, 0.1, (30, 2)))
+        for node, local in ((1, bare), (2, None), (3, None)):
+            file.map.graph.nodes[node]["local_map"] = local
+        file.map.annotate(3, place_m=[0.5, 0.25])
+        file.map.add_arc(0, 3, "right", 0.7, kind="foray", notes={"crossing": {"turn": 1.5}})
+        file.update(file.map, file.map.nodes(), list(file.map.graph.edges(keys=True)))
+        file.put_extension("someone", "color", {"door": "red"})
 
 
 def _one(source: Path, number: int, seed: int, folder: Path, plot: bool) -> str:

@@ -17,6 +17,7 @@ from tolman.maps.errors import (
 )
 from tolman.maps.storage.map_file import read_extensions, read_state
 
+from tools.torture.commands import commands
 from tools.torture.disks import full, readonly
 from tools.torture.faults import faults
 from tools.torture.kills import kills
@@ -279,6 +280,13 @@ def test_mutations_are_refused_or_load_what_they_held(tmp_path: Path) -> None:
     result = mutations(len(MUTATIONS), 7, tmp_path)
     assert faults(result) == []
     assert result["refused"] + result["loaded what it held"] == len(MUTATIONS)
+
+
+def test_crafted_files_are_refused_or_well_formed_through_all_commands(tmp_path: Path) -> None:
+    result = commands(40, 3, tmp_path, plotted=2)
+    assert faults(result) == []
+    assert result["refused"] >= 15
+    assert result["loaded, and well-formed"] >= 1
 
 
 def test_a_full_disk_gives_a_clear_error_and_can_be_resumed(tmp_path: Path) -> None:
