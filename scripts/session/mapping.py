@@ -6,7 +6,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -21,7 +21,6 @@ from ..plain import report_values
 if TYPE_CHECKING:
     from ...agent.goals import LocalSamples
     from ...agent.mapping.base import ArcKey
-    from .map_files import MapWriter
     from .requests import MapRequest
     from .stage import Stage
 
@@ -73,6 +72,30 @@ class MapReport:
         return report_values(self)
 
 
+class MapKeeper(Protocol):
+    """What keeps a mapping while it is under way; see `map_files.MapWriter`."""
+
+    @property
+    def map(self) -> HybridMap:
+        """The map so far."""
+
+    @property
+    def resumes(self) -> bool:
+        """Whether there is something to go on from."""
+
+    def commit(self, mapping: Mapping, node: int) -> None:
+        """Saves a complete node."""
+
+    def rest(self, mapping: Mapping, nodes: Sequence[int], arcs: Sequence[ArcKey]) -> None:
+        """Saves what changed while no node was added; those nodes and arcs are forgotten."""
+
+    def finish(self, mapping: Mapping) -> None:
+        """Saves the whole map."""
+
+    def restore(self, mapping: Mapping) -> None:
+        """Takes everything back to when the last node was committed."""
+
+
 class Mapping:
     """A mapping by one robot: `begin` it, ask `watch` once a tick until it is over, take the `report`.
 
@@ -81,7 +104,7 @@ class Mapping:
     """
 
     def __init__(
-        self, stage: Stage, request: MapRequest, robot: int = 0, writer: MapWriter | None = None
+        self, stage: Stage, request: MapRequest, robot: int = 0, writer: MapKeeper | None = None
     ) -> None:
         """writer: keeps it in a file. Raises: SessionError for what the profile cannot do."""
         self.stage, self.request, self.robot = stage, request, robot

@@ -23,13 +23,12 @@ from ...world.robot import Pose
 from .map_files import MapWriter
 from .mapping import Mapping, map_meta
 from .mission import JOURNAL, MissionJob
-from .requests import GoRequest, MapRequest, MissionRequest, RunSettings
+from .recording import permitted
+from .requests import GoRequest, MapRequest, MissionRequest, RunSettings, start_of_trip
 from .settings import recorded_settings
 from .site import sites_of
 from .stage import Stage
-from .starts import start_of_trip
 from .trip import Trip
-from .trust import permitted
 from .truth import poses_of
 
 

@@ -34,11 +34,20 @@ from .mapping import Mapping, MapReport, map_meta
 from .mission import MissionJob, MissionReport, attachments
 from .profiles import Profile
 from .recording import recorded
-from .requests import GoRequest, MapRequest, MissionRequest, Progress, RunSettings, SessionError
+from .requests import (
+    GoRequest,
+    MapRequest,
+    MissionRequest,
+    Progress,
+    RunSettings,
+    SessionError,
+    start_of_mission,
+    start_of_trip,
+    world_of_trip,
+)
 from .settings import load_settings
 from .site import sites_of
 from .stage import Stage
-from .starts import start_of_mission, start_of_trip, world_of_trip
 from .trip import GoReport, Trip
 from .truth import poses_of
 

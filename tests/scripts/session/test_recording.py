@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from tolman.agent.errors import RecordingError
 from tolman.agent.recording.reader import Recording
-from tolman.scripts.session.trust import code_in, code_of, permitted
+from tolman.scripts.session.recording import code_in, code_of, permitted
 
 SCRIPT = "def mission():\n    yield\n"
 
