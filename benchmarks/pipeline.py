@@ -6,15 +6,12 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 from tolman.agent import Agent
 from tolman.maps.hybrid_map import HybridMap
-from tolman.maps.meta import MapMeta
-from tolman.scripts.session.assembly import make_agent
-from tolman.scripts.session.profiles import find_profile, make_mapper
 from tolman.scripts.session.requests import MapRequest
+from tolman.scripts.session.stage import Stage
 from tolman.world import Pose, WorldSpec, open_world
 from tolman.world.spec import Box, Start, room_walls
 
@@ -52,15 +49,12 @@ class Pipeline:
 
     def begin(self) -> None:
         """Begins from the start."""
-        profile = find_profile("default")
-        request = MapRequest(world=self.spec.name, output=Path("unused"), global_only=True, model=self.model)
+        request = MapRequest(world=self.spec.name, global_only=True, model=self.model)
         self.world: Any = open_world(self.spec, model=self.model, noise="thesis", seed=1)
-        self.agents = [
-            make_agent(request, self.world, {}, robot, profile) for robot in range(len(self.world.robots))
-        ]
-        self.mappers = [
-            make_mapper(profile, request, agent, HybridMap(MapMeta()), _Nowhere()) for agent in self.agents
-        ]
+        stage = Stage(self.world, request, {})
+        robots = range(len(self.world.robots))
+        self.agents = [stage.robot(robot) for robot in robots]
+        self.mappers = [stage.make_mapper(request, robot, HybridMap(), _Nowhere()) for robot in robots]
         for mapper in self.mappers:
             mapper.start()
 

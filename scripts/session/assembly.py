@@ -1,68 +1,115 @@
-"""Puts an agent together: behaviors by entry point, settings from a file, the mediator."""
+"""Puts together what a run needs, as its settings and its profile say: world, agents, mappers, navigators."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...agent import Agent, Behavior
 from ...agent.handle import Limits
-from ...plugins.discovery import build_behaviors, load_mediator
+from ...agent.islands.mapper import IslandMapper
+from ...agent.mapping.corners import Mapper, MappingConfig
+from ...agent.mapping.published import ThesisMapper, ThesisMappingConfig
+from ...agent.navigation.corners import Navigator
+from ...agent.navigation.published import ThesisNavigationConfig, ThesisNavigator
+from ...plugins.discovery import build_behaviors
 from ...world import World, WorldSpec, open_world
-from ...world.robot import Pose
-from .profiles import Profile, behavior_settings, find_profile
-from .requests import RunSettings
-from .settings import mediator_of
+from ...world.robot import Pose, Robot
+from ..errors import SessionError
+
+if TYPE_CHECKING:
+    from ...agent import Mediator
+    from ...agent.mapping.base import AnyMapper, MapSink
+    from ...agent.navigation.base import BaseNavigator
+    from ...maps.hybrid_map import HybridMap
+    from .profiles import Profile
+    from .requests import MapRequest, RunSettings
 
 HANG = 2.0
 """Wall-clock seconds after which a behavior is interrupted where plugins from folders are loaded."""
 
 
 def make_world(
-    simulation: RunSettings, world: str | WorldSpec, settings: Mapping[str, Any], start: Pose | str | None
+    settings: RunSettings, world: str | WorldSpec, noise_values: Mapping[str, Any], start: Pose | str | None
 ) -> World:
-    """Opens a world (name, path, description) with a request's noise and robot model. Raises: WorldError."""
-    noise: Any = simulation.noise
-    if "noise" in settings:
-        noise = {"preset": simulation.noise, **settings["noise"]}
+    """Opens a world (name, path, description) with a run's noise and robot model. Raises: WorldError.
+
+    noise_values: values on top of the preset that the settings name.
+    """
+    noise: Any = {"preset": settings.noise, **noise_values} if noise_values else settings.noise
     return open_world(
         world,
-        seed=simulation.seed,
+        seed=settings.seed,
         noise=noise,
-        noise_scale=simulation.noise_scale,
-        model=simulation.model,
-        engine=simulation.engine,
+        noise_scale=settings.noise_scale,
+        model=settings.model,
+        engine=settings.engine,
         start=start,
-        scale=simulation.scale,
+        scale=settings.scale,
     )
 
 
 def make_agent(
-    simulation: RunSettings,
-    world: World,
-    settings: Mapping[str, Any],
-    robot: int = 0,
-    profile: Profile | None = None,
+    settings: RunSettings,
+    profile: Profile,
+    configs: Mapping[str, Mapping[str, Any]] | None,
+    mediator: Mediator,
+    robot: Robot,
+    index: int = 0,
     others: Iterable[Behavior] = (),
 ) -> Agent:
-    """An agent for one of the world's robots, with every behavior that is found and the reflexes at work.
+    """An agent for a robot, with every behavior that is found and the profile's reflexes at work.
 
-    profile: None is the one that the simulation names. others: behaviors besides those that are found.
+    configs: settings by behavior, on top of the profile's. index: of the robot in its world. others:
+    behaviors besides those that are found.
 
     Behaviors from folders run under the default limits; without them nothing depends on the wall clock.
-    Raises: PluginError, ConfigError, SessionError.
+    Raises: PluginError, ConfigError.
     """
-    profile = profile or find_profile(simulation.profile)
-    configs = behavior_settings(profile, settings.get("behaviors"))
-    behaviors = build_behaviors(None, simulation.plugins, configs, isolate=simulation.isolate)
-    name, options = mediator_of(settings)
-    mediator = load_mediator(name, simulation.plugins, options)
-    limits = Limits(hang=HANG) if simulation.plugins else Limits(budget=None)
-    seed = np.random.SeedSequence([simulation.seed, robot])
+    merged = profile.behavior_settings(configs)
+    behaviors = build_behaviors(None, settings.plugins, merged, isolate=settings.isolate)
+    limits = Limits(hang=HANG) if settings.plugins else Limits(budget=None)
+    seed = np.random.SeedSequence([settings.seed, index])
     every = [*behaviors.values(), *others]
-    agent = Agent(world.robots[robot], every, mediator=mediator, seed=seed, limits=limits)
+    agent = Agent(robot, every, mediator=mediator, seed=seed, limits=limits)
     for name in profile.reflexes:
         agent.start(name)
     return agent
+
+
+def make_mapper(
+    profile: Profile,
+    request: MapRequest,
+    agent: Agent,
+    hybrid_map: HybridMap,
+    sink: MapSink,
+) -> AnyMapper:
+    """The mapper that the profile names, set as the request asks.
+
+    Raises: SessionError for islands with a profile that cannot map them.
+    """
+    limit = request.max_nodes if request.max_nodes is not None else profile.max_nodes
+    local_maps = not request.global_only
+    if request.islands and profile.mapper != "corners":
+        raise SessionError(f"profile {profile.name!r} has no forays: --islands needs profile 'default'")
+    if profile.mapper == "turns":
+        published = ThesisMappingConfig(
+            request.side, local_maps, request.strategy, limit, closing=profile.closing, **profile.mapping
+        )
+        return ThesisMapper(agent, hybrid_map, sink, published)
+    config = MappingConfig(request.side, local_maps, request.strategy, limit, **profile.mapping)
+    if request.islands:
+        return IslandMapper(agent, hybrid_map, sink, config)
+    return Mapper(agent, hybrid_map, sink, config)
+
+
+def make_navigator(
+    profile: Profile, agent: Agent, hybrid_map: HybridMap, node: int, arrival: str | None
+) -> BaseNavigator:
+    """The navigator that the profile names, for a robot at `node` that came by side `arrival`."""
+    if profile.navigator == "distance":
+        config = ThesisNavigationConfig(correct=profile.correct)
+        return ThesisNavigator(agent, hybrid_map, node, arrival, config)
+    return Navigator(agent, hybrid_map, node, arrival, learn_mismatch=profile.learn_mismatch)

@@ -15,7 +15,6 @@ from ...agent.islands.mapper import IslandMapper
 from ...agent.listener import Outcome
 from ...maps.hybrid_map import HybridMap
 from ...maps.local.local_map import LocalMap
-from ...maps.meta import MapMeta
 from ..plain import report_values
 
 if TYPE_CHECKING:
@@ -73,7 +72,7 @@ class MapReport:
 
 
 class MapKeeper(Protocol):
-    """What keeps a mapping while it is under way; see `map_files.MapWriter`."""
+    """What keeps a mapping while it is under way, such as `map_files.MapWriter`."""
 
     @property
     def map(self) -> HybridMap:
@@ -110,7 +109,7 @@ class Mapping:
         self.stage, self.request, self.robot = stage, request, robot
         self.agent = stage.robot(robot)
         self.observer = stage.observers[robot]
-        self.map = HybridMap(map_meta(stage, request)) if writer is None else writer.map
+        self.map = HybridMap(stage.map_meta(request)) if writer is None else writer.map
         self.outcome: Outcome | None = None
         self.loop_correct: bool | None = None
         self._writer = writer
@@ -273,6 +272,9 @@ class Mapping:
             if kind == self.request.side
         ]
         mapped, true = sum(pair[0] for pair in pairs), sum(pair[1] for pair in pairs)
+        found: dict[str, Any] = {}
+        if isinstance(self.mapper, IslandMapper):
+            found = {name: getattr(self.mapper, name) for name in ("islands", "forays", "scouted")}
         return MapReport(
             nodes=graph.number_of_nodes(),
             arcs=graph.number_of_edges(),
@@ -295,29 +297,5 @@ class Mapping:
             world=world.spec.name,
             version=version("tolman"),
             map=self.map,
-            **self._found(),
+            **found,
         )
-
-    def _found(self) -> dict[str, Any]:
-        """What the search for islands came to, if there was one."""
-        mapper = self.mapper
-        if not isinstance(mapper, IslandMapper):
-            return {}
-        return {"islands": mapper.islands, "forays": mapper.forays, "scouted": mapper.scouted}
-
-
-def map_meta(stage: Stage, request: MapRequest) -> MapMeta:
-    """What a map made here says about itself."""
-    settings, spec = stage.settings, stage.world.spec
-    islands = {"islands": True} if request.islands else {}
-    return MapMeta(
-        world=spec.name,
-        world_digest=spec.digest,
-        profile=settings.profile,
-        side=request.side,
-        seed=settings.seed,
-        noise=settings.noise,
-        versions={"tolman": version("tolman")},
-        geometry=stage.world.robots[0].geometry.name,
-        scalars={"noise_scale": settings.noise_scale, "robot_model": settings.model, **islands},
-    )

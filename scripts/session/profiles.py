@@ -10,25 +10,12 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, Literal
 
-from ...agent import Agent
 from ...agent.boundary.trace import ClosingConfig
-from ...agent.islands.mapper import IslandMapper
-from ...agent.mapping.base import AnyMapper, MapSink
-from ...agent.mapping.corners import Mapper, MappingConfig
-from ...agent.mapping.published import ThesisMapper, ThesisMappingConfig
-from ...agent.navigation.base import BaseNavigator
-from ...agent.navigation.corners import Navigator
-from ...agent.navigation.published import ThesisNavigationConfig, ThesisNavigator
-from ...maps.hybrid_map import HybridMap
 from ...maps.local.training import DEFAULT, THESIS_2, LocalMapConfig
 from ...maps.som.schedules import PERCEPTUAL_2
-from ..errors import did_you_mean
-from .requests import MapRequest, SessionError
-from .settings import updated_fields
+from ..errors import SessionError, did_you_mean
 
 Settings = Mapping[str, Mapping[str, Any]]
-_FROM_REQUEST = ("side", "local_maps", "strategy", "max_nodes")
-"""Fields of a mapper's settings that a request sets, and a file of settings cannot."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +42,13 @@ class Profile:
     reflexes: tuple[str, ...] = ()
     mapping: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     learn_mismatch: bool = True
+
+    def behavior_settings(self, asked: Settings | None) -> dict[str, dict[str, Any]]:
+        """The profile's settings of behaviors, with those asked for on top."""
+        merged = {name: dict(values) for name, values in self.behaviors.items()}
+        for name, values in (asked or {}).items():
+            merged.setdefault(name, {}).update(values)
+        return merged
 
 
 THESIS_LOCAL_MAP = replace(THESIS_2, perceptual=replace(PERCEPTUAL_2, max_steps=1444, radius_end=1.5))
@@ -103,7 +97,7 @@ WITHOUT = " without "
 
 def _set(behavior: str, **values: Any) -> Callable[[Profile], Profile]:
     def change(profile: Profile) -> Profile:
-        return replace(profile, behaviors=behavior_settings(profile, {behavior: values}))
+        return replace(profile, behaviors=profile.behavior_settings({behavior: values}))
 
     return change
 
@@ -149,64 +143,3 @@ def find_profile(name: str) -> Profile:
         raise SessionError(
             f"unknown profile {name!r}{did_you_mean(name, PROFILES)} (profiles: {known})"
         ) from None
-
-
-def behavior_settings(profile: Profile, asked: Settings | None) -> dict[str, dict[str, Any]]:
-    """The profile's settings of behaviors, with those asked for on top."""
-    merged = {name: dict(values) for name, values in profile.behaviors.items()}
-    for name, values in (asked or {}).items():
-        merged.setdefault(name, {}).update(values)
-    return merged
-
-
-def configured(profile: Profile, settings: Mapping[str, Any]) -> Profile:
-    """The profile with what the section `mapping` of a file of settings asks of its mapper.
-
-    Raises: SessionError naming the setting. What a command line says (side, limits) is not set there.
-    """
-    asked = settings.get("mapping")
-    if not asked:
-        return profile
-    kind: type[Any] = ThesisMappingConfig if profile.mapper == "turns" else MappingConfig
-    base = kind(**profile.mapping)
-    if profile.mapper == "turns":
-        base = replace(base, closing=profile.closing)
-    values = updated_fields(base, asked, "mapping", _FROM_REQUEST)
-    closing = values.pop("closing", profile.closing) if profile.mapper == "turns" else profile.closing
-    return replace(profile, mapping={**profile.mapping, **values}, closing=closing)
-
-
-def make_mapper(
-    profile: Profile,
-    request: MapRequest,
-    agent: Agent,
-    hybrid_map: HybridMap,
-    sink: MapSink,
-) -> AnyMapper:
-    """The mapper that the profile names, set as the request asks.
-
-    Raises: SessionError for islands with a profile that cannot map them.
-    """
-    limit = request.max_nodes if request.max_nodes is not None else profile.max_nodes
-    local_maps = not request.global_only
-    if request.islands and profile.mapper != "corners":
-        raise SessionError(f"profile {profile.name!r} has no forays: --islands needs profile 'default'")
-    if profile.mapper == "turns":
-        published = ThesisMappingConfig(
-            request.side, local_maps, request.strategy, limit, closing=profile.closing, **profile.mapping
-        )
-        return ThesisMapper(agent, hybrid_map, sink, published)
-    config = MappingConfig(request.side, local_maps, request.strategy, limit, **profile.mapping)
-    if request.islands:
-        return IslandMapper(agent, hybrid_map, sink, config)
-    return Mapper(agent, hybrid_map, sink, config)
-
-
-def make_navigator(
-    profile: Profile, agent: Agent, hybrid_map: HybridMap, node: int, arrival: str | None
-) -> BaseNavigator:
-    """The navigator that the profile names, for a robot at `node` that came by side `arrival`."""
-    if profile.navigator == "distance":
-        config = ThesisNavigationConfig(correct=profile.correct)
-        return ThesisNavigator(agent, hybrid_map, node, arrival, config)
-    return Navigator(agent, hybrid_map, node, arrival, learn_mismatch=profile.learn_mismatch)

@@ -21,7 +21,7 @@ from ...world import World
 from ...world.arenas.catalog import find_world
 from ...world.robot import Pose
 from .map_files import MapWriter
-from .mapping import Mapping, map_meta
+from .mapping import Mapping
 from .mission import JOURNAL, MissionJob
 from .recording import permitted
 from .requests import GoRequest, MapRequest, MissionRequest, RunSettings, start_of_trip
@@ -102,7 +102,7 @@ def _replay_mapping(recording: Recording, world: ReplayWorld, folder: Path) -> N
     values = _common(recording, MapRequest)
     request = MapRequest(**values | {"output": output, "resume": resumed, "force": False, "start": None})
     stage = _staged(recording, world, request)
-    with MapWriter.open(output, request, map_meta(stage, request)) as writer:
+    with MapWriter.open(output, request, stage.map_meta(request)) as writer:
         mapping = Mapping(stage, request, writer=writer)
         world.robot.watch(stage.agent)
         mapping.drive()

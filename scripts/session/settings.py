@@ -15,18 +15,26 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 from types import NoneType
-from typing import Any, get_args, get_type_hints
+from typing import TYPE_CHECKING, Any, get_args, get_type_hints
 
+from ...agent.mapping.corners import MappingConfig
+from ...agent.mapping.published import ThesisMappingConfig
 from ...files.messages import quoted, unknown
 from ...files.reading import read_text
 from ...files.yaml_nodes import Entry, parse_yaml
 from ...world.noise.model import NAMES
-from .requests import SessionError
+from ..errors import SessionError
+
+if TYPE_CHECKING:
+    from .profiles import Profile
 
 LIMIT = 1 << 20
 """Bytes of a file of settings."""
 _KINDS = {bool: "true or false", int: "a whole number", float: "a number", str: "a text", NoneType: "null"}
 DEFAULT_MEDIATOR = "priority"
+
+_FROM_REQUEST = ("side", "local_maps", "strategy", "max_nodes")
+"""Fields of a mapper's settings that a request sets, and a file of settings cannot."""
 
 Settings = dict[str, Any]
 """By section; one that is not there is as the profile has it."""
@@ -60,6 +68,23 @@ def mediator_of(settings: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
         return asked, {}
     options = dict(asked)
     return options.pop("name"), options
+
+
+def configured(profile: Profile, settings: Mapping[str, Any]) -> Profile:
+    """The profile with what the section `mapping` of a file of settings asks of its mapper.
+
+    Raises: SessionError naming the setting. What a command line says (side, limits) is not set there.
+    """
+    asked = settings.get("mapping")
+    if not asked:
+        return profile
+    kind: type[Any] = ThesisMappingConfig if profile.mapper == "turns" else MappingConfig
+    base = kind(**profile.mapping)
+    if profile.mapper == "turns":
+        base = replace(base, closing=profile.closing)
+    values = updated_fields(base, asked, "mapping", _FROM_REQUEST)
+    closing = values.pop("closing", profile.closing) if profile.mapper == "turns" else profile.closing
+    return replace(profile, mapping={**profile.mapping, **values}, closing=closing)
 
 
 def updated_fields(

@@ -30,7 +30,7 @@ from ...world import WorldSpec
 from ...world.robot import Pose
 from .assembly import make_world
 from .map_files import MapWriter
-from .mapping import Mapping, MapReport, map_meta
+from .mapping import Mapping, MapReport
 from .mission import MissionJob, MissionReport, attachments
 from .profiles import Profile
 from .recording import recorded
@@ -93,7 +93,7 @@ class Simulation(Stage):
         options = load_settings(settings.config)
         place = str(world) if isinstance(world, Path) else world
         own = profile if isinstance(profile, Profile) else None
-        opened = make_world(settings, place, options, start)
+        opened = make_world(settings, place, options.get("noise", {}), start)
         super().__init__(opened, settings, options, profile=own, behaviors=behaviors, progress=progress)
 
     def map(self, path: Path | str | None = None, **fields: Any) -> MapReport:
@@ -114,7 +114,7 @@ class Simulation(Stage):
         before = unfinished(path) if path is not None and request.record and request.resume else {}
         writer: contextlib.AbstractContextManager[MapWriter | None] = contextlib.nullcontext()
         if path is not None:
-            writer = MapWriter.open(path, request, map_meta(self, request))
+            writer = MapWriter.open(path, request, self.map_meta(request))
         with writer as kept:
             mapping = Mapping(self, request, writer=kept)
             with recorded(request.record, "map", request, self, before):

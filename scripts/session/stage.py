@@ -8,15 +8,19 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Callable, Iterable, Mapping
+from importlib.metadata import version
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from ...agent import Agent, Behavior
+from ...maps.meta import MapMeta
+from ...plugins.discovery import load_mediator
 from ...world.geometry import Plan
 from ...world.robot import STOP
-from .assembly import make_agent
-from .profiles import Profile, configured, find_profile, make_mapper, make_navigator
+from .assembly import make_agent, make_mapper, make_navigator
+from .profiles import Profile, find_profile
 from .requests import Progress, RunSettings, SessionError
+from .settings import configured, mediator_of
 from .truth import Observer
 
 if TYPE_CHECKING:
@@ -108,7 +112,10 @@ class Stage:
 
     def _add_robot(self, behaviors: Iterable[Behavior]) -> None:
         index = len(self.agents)
-        agent = make_agent(self.settings, self.world, self.options, index, self.profile, behaviors)
+        name, values = mediator_of(self.options)
+        mediator = load_mediator(name, self.settings.plugins, values)
+        configs, robot = self.options.get("behaviors"), self.world.robots[index]
+        agent = make_agent(self.settings, self.profile, configs, mediator, robot, index, behaviors)
         self.agents.append(agent)
         self.observers.append(Observer(self.world, agent, index))
         pose = self.world.true_pose(index)
@@ -211,7 +218,7 @@ class Stage:
         finally:
             self.world.close()
 
-    # --- what the profile names --------------------------------------------------------------------------
+    # --- what the profile and the settings say -----------------------------------------------------------
 
     def make_mapper(self, request: MapRequest, robot: int, hybrid_map: HybridMap, sink: MapSink) -> AnyMapper:
         """The mapper that the profile names, set as the request asks.
@@ -219,6 +226,22 @@ class Stage:
         Raises: SessionError for islands with a profile that cannot map them.
         """
         return make_mapper(self.profile, request, self.robot(robot), hybrid_map, sink)
+
+    def map_meta(self, request: MapRequest) -> MapMeta:
+        """What a map made here says about itself."""
+        settings, spec = self.settings, self.world.spec
+        islands = {"islands": True} if request.islands else {}
+        return MapMeta(
+            world=spec.name,
+            world_digest=spec.digest,
+            profile=settings.profile,
+            side=request.side,
+            seed=settings.seed,
+            noise=settings.noise,
+            versions={"tolman": version("tolman")},
+            geometry=self.world.robots[0].geometry.name,
+            scalars={"noise_scale": settings.noise_scale, "robot_model": settings.model, **islands},
+        )
 
     def make_navigator(
         self, robot: int, hybrid_map: HybridMap, node: int, arrival: str | None

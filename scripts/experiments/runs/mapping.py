@@ -12,7 +12,7 @@ from ....agent.listener import Outcome
 from ....agent.mapping.published import ThesisMapper
 from ....world.errors import SimulationError
 from ...session.map_files import MapWriter
-from ...session.mapping import Mapping, map_meta
+from ...session.mapping import Mapping
 from ...session.profiles import find_profile
 from ...session.requests import MapRequest
 from ...session.simulation import Simulation, settings_of
@@ -55,7 +55,7 @@ def run_mapping(settings: Settings[str, Any], folder: Path) -> dict[str, Any]:
     kind = TrainingMapping if settings["training"] else Mapping
     with (
         Simulation(world, settings_of(request), start=request.side, profile=profile) as simulation,
-        MapWriter.open(growing, request, map_meta(simulation, request)) as writer,
+        MapWriter.open(growing, request, simulation.map_meta(request)) as writer,
     ):
         result = _figures(kind(simulation, request, writer=writer))
     os.replace(growing, path)

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import fields, replace
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,16 +11,13 @@ from tolman.agent.navigation.corners import Navigator
 from tolman.agent.navigation.published import ThesisNavigator
 from tolman.maps.hybrid_map import HybridMap
 from tolman.scripts.cli.options import PROFILES as OFFERED
-from tolman.scripts.session.assembly import make_agent, make_world
 from tolman.scripts.session.profiles import (
     PROFILES,
     REMEDIES,
-    behavior_settings,
     find_profile,
-    make_mapper,
-    make_navigator,
 )
-from tolman.scripts.session.requests import MapRequest, RunSettings, SessionError
+from tolman.scripts.session.requests import MapRequest, SessionError
+from tolman.scripts.session.simulation import Simulation
 
 
 def test_the_command_line_offers_the_profiles_there_are() -> None:
@@ -35,14 +31,14 @@ def test_an_unknown_profile_is_refused_with_the_nearest() -> None:
 
 def test_settings_asked_for_come_on_top_of_the_profiles() -> None:
     asked = {"local-exploration": {"compass": True}, "wander": {}}
-    merged = behavior_settings(find_profile("thesis"), asked)
+    merged = find_profile("thesis").behavior_settings(asked)
     assert merged["local-exploration"] == {
         "landmarks": False,
         "compass": True,
         "panorama_interval": 0.04,
         "turn_speed": 300.0,
     }
-    assert behavior_settings(find_profile("thesis"), None)["local-exploration"]["compass"] is False
+    assert find_profile("thesis").behavior_settings(None)["local-exploration"]["compass"] is False
 
 
 @pytest.mark.parametrize("remedy", sorted(REMEDIES))
@@ -51,9 +47,8 @@ def test_a_profile_can_do_without_each_remedy_and_stays_as_it_is_otherwise(remed
     assert replace(without, name="default") != whole
     changed = [f.name for f in fields(whole) if getattr(whole, f.name) != getattr(without, f.name)]
     assert set(changed) <= {"name", "behaviors", "mapping", "learn_mismatch", "reflexes"}
-    simulation = RunSettings(profile=without.name, engine="kinematic")
-    agent = make_agent(simulation, make_world(simulation, "env1", {}, None), {})
-    assert isinstance(make_navigator(without, agent, HybridMap(), 0, None), Navigator)
+    with Simulation("env1", profile=without, engine="kinematic") as simulation:
+        assert isinstance(simulation.make_navigator(0, HybridMap(), 0, None), Navigator)
 
 
 def test_there_is_no_profile_without_what_it_does_not_have() -> None:
@@ -79,22 +74,17 @@ class Nowhere:
     [("default", Mapper, Navigator), ("thesis", ThesisMapper, ThesisNavigator)],
 )
 def test_a_profile_names_its_mapper_and_navigator(name: str, mapper: type, navigator: type) -> None:
-    profile = find_profile(name)
-    simulation = RunSettings(profile=name, engine="kinematic")
-    world = make_world(simulation, "env1", {}, None)
-    agent = make_agent(simulation, world, {})
     hybrid = HybridMap()
     hybrid.add_node()
-    request = MapRequest(world="env1", output=Path("unused"), profile=name)
-    built = make_mapper(profile, request, agent, hybrid, Nowhere())
-    assert isinstance(built, mapper)
-    assert isinstance(make_navigator(profile, agent, hybrid, 0, None), navigator)
+    with Simulation("env1", profile=name, engine="kinematic") as simulation:
+        request = simulation.request(MapRequest, world="env1")
+        assert isinstance(simulation.make_mapper(request, 0, hybrid, Nowhere()), mapper)
+        assert isinstance(simulation.make_navigator(0, hybrid, 0, None), navigator)
 
 
 def test_profile_thesis_explores_by_path_integration_alone() -> None:
-    simulation = RunSettings(profile="thesis", engine="kinematic")
-    agent = make_agent(simulation, make_world(simulation, "env1", {}, None), {})
-    config = agent.behavior("local-exploration").config
+    with Simulation("env1", profile="thesis", engine="kinematic") as simulation:
+        config = simulation.agent.behavior("local-exploration").config
     assert not config.landmarks
     assert not config.compass
 

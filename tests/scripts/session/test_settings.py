@@ -8,10 +8,11 @@ import pytest
 from tolman.agent.boundary.trace import ClosingConfig
 from tolman.agent.errors import ConfigError
 from tolman.plugins.errors import PluginError
-from tolman.scripts.session.profiles import Profile, configured, find_profile
+from tolman.scripts.session.profiles import Profile, find_profile
 from tolman.scripts.session.requests import MapRequest, SessionError
 from tolman.scripts.session.settings import (
     LIMIT,
+    configured,
     load_settings,
     mediator_of,
     parse_settings,
