@@ -49,10 +49,16 @@ def is_scalar(value: object) -> bool:
 
 
 def _real(value: Any) -> float | None:
+    if type(value) is float:  # nearly always, and faster
+        return value
     try:
         return float(value) if isinstance(value, Real) and not isinstance(value, bool) else None
     except OverflowError:
         return None
+
+
+def _integer(value: Any) -> int | None:
+    return int(value) if isinstance(value, Integral) and not isinstance(value, bool) else None
 
 
 def _table(allowed: Callable[[object], bool]) -> Callable[[Any], Any]:
@@ -69,7 +75,7 @@ _KINDS = {
         "a whole number",
         "INTEGER",
         {"type": "integer"},
-        lambda value: int(value) if isinstance(value, Integral) and not isinstance(value, bool) else None,
+        lambda value: value if type(value) is int else _integer(value),
     ),
     "real": _Kind("a number", "REAL", {"type": "number"}, _real),
     "text": _Kind(
@@ -201,7 +207,9 @@ class Record:
 
     def label(self, key: Sequence[Any]) -> str:
         """What a message calls one: `node 3`, `arc 0 -> 1 (right)`."""
-        told = [f"{each!r:.40}" if type(each) is not str else f"{each:.40}" for each in key]
+        told = [
+            f"{each:.40}" if type(each) is str and each.isprintable() else f"{each!r:.40}" for each in key
+        ]
         return (
             f"{self.name} {told[0]} -> {told[1]} ({told[2]})"
             if len(told) == 3

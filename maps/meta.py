@@ -38,7 +38,7 @@ class MapMeta:
     def __post_init__(self) -> None:
         """Checks the types. Raises: MapError."""
         try:
-            META.clean((), self.to_json())
+            META.clean((), {name: getattr(self, name) for name in META.by_name})
         except ValueError as error:
             raise MapError(str(error)) from None
 

@@ -183,7 +183,7 @@ def test_a_ring_is_laid_out_closed_whatever_its_lengths_say() -> None:
 
 
 @pytest.mark.parametrize(
-    "values", [{"seed": True}, {"seed": "x"}, {"loop_closed": 1}, {"scalars": {"a": [1]}}]
+    "values", [{"seed": True}, {"seed": "x"}, {"loop_closed": 1}, {"versions": 5}, {"scalars": {"a": [1]}}]
 )
 def test_meta_of_a_wrong_type_is_refused(values: dict[str, object]) -> None:
     with pytest.raises(MapError):
