@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ...agent import Agent, PathIntegrator
 from ...agent.events import CornerReached, NodeCreated
+from ...maps.errors import MapFileDamagedError
 from ...maps.storage.map_file import RUN, Truth, read_truth
 from ...world.robot import Percept, Pose
 
@@ -165,11 +166,14 @@ def read_map_truth(path: Path) -> TrueRun | None:
     Raises: MapError if the file cannot be read.
     """
     truth = read_truth(path)
-    nodes = poses_of(truth)
-    if not nodes:
-        return None
-    records = [*(truth.nodes[node] for node in sorted(nodes)), truth.run]
-    pieces = [np.array(record.get("track", []), dtype=float).reshape(-1, 2) for record in records]
+    try:
+        nodes = poses_of(truth)
+        if not nodes:
+            return None
+        records = [*(truth.nodes[node] for node in sorted(nodes)), truth.run]
+        pieces = [np.array(record.get("track", []), dtype=float).reshape(-1, 2) for record in records]
+    except (KeyError, TypeError, ValueError, OverflowError):
+        raise MapFileDamagedError(f"{path}: its true poses and tracks are not well-formed") from None
     return TrueRun(nodes, np.concatenate(pieces))
 
 
