@@ -5,7 +5,8 @@ The agent knows its robot only through `tolman.world.robot`; it never sees where
 
 from . import events
 from .agent import Agent, run
-from .arbitration.mediator import Candidate, Decision, Mediator, PriorityMediator
+from .arbitration.mediator import Candidate, Decision, Mediator
+from .arbitration.priority import PriorityMediator
 from .behavior import Behavior, Child, Context, NoConfig, Proposal, Transition
 from .errors import AgentError, BehaviorContractError, ConfigError, GoalError, UnknownBehaviorError
 from .estimation.odometry import PathIntegrator

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from ..world.robot import STOP, Image, Percept, Robot, WheelCommand
-from .arbitration.mediator import Candidate, Decision, Mediator, PriorityMediator
+from .arbitration.mediator import Candidate, Decision, Mediator
+from .arbitration.priority import PriorityMediator
 from .behavior import Behavior, Context
 from .containment import Watchdog, check_command, check_proposal, describe, state_name
 from .errors import AgentError, UnknownBehaviorError

@@ -253,12 +253,14 @@ def load_mediator(
 ) -> Mediator:
     """A new mediator of that name; options: what its constructor takes, by name.
 
-    Raises: UnknownPluginError, BrokenPluginError if it cannot be loaded or made.
+    Raises: UnknownPluginError, ConfigError for a wrong option, BrokenPluginError if it cannot be made.
     """
     plugin = discover(folders).find(name, MEDIATORS)
     cls = plugin.load()
     try:
         mediator: Mediator = cls(**options)
+    except ConfigError:
+        raise
     except _FAULTS as fault:
         raise BrokenPluginError(
             f"mediator {name!r} of {plugin.origin}: making one raised {describe(fault)}"

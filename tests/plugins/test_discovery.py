@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 from tolman.agent import ConfigError, PriorityMediator
-from tolman.agent.arbitration.strategies import BlendMediator
+from tolman.agent.arbitration.blend import BlendMediator
 from tolman.plugins import (
     BrokenPluginError,
     DuplicatePluginError,

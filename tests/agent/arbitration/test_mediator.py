@@ -1,12 +1,14 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tolman.agent import Candidate, Mediator, PriorityMediator, Proposal
-from tolman.agent.arbitration.strategies import BlendMediator, SubsumptionMediator, Wire
+from tolman.agent import Candidate, ConfigError, Mediator, PriorityMediator, Proposal
+from tolman.agent.arbitration.blend import BlendMediator
+from tolman.agent.arbitration.subsumption import SubsumptionMediator, Wire
 from tolman.world.robot import STOP, WheelCommand
 
 
@@ -68,14 +70,14 @@ def test_blend_does_not_water_down_a_reflex() -> None:
 
 
 def test_suppression_replaces_the_weaker_output_with_the_stronger() -> None:
-    mediator = SubsumptionMediator([Wire("low", "high")])
+    mediator = SubsumptionMediator(wires=[Wire("low", "high")])
     decision = mediator.arbitrate([candidate("low", 10), candidate("high", 20)], None)
     assert decision.winner == "low"
     assert "suppresses high" in decision.reason
 
 
 def test_inhibition_silences_its_target_only() -> None:
-    mediator = SubsumptionMediator([Wire("guard", "high", inhibit=True)])
+    mediator = SubsumptionMediator(wires=[Wire("guard", "high", inhibit=True)])
     wanting = [candidate("guard", 1), candidate("high", 20), candidate("mid", 10)]
     assert mediator.arbitrate(wanting, None).winner == "mid"
 
@@ -101,7 +103,7 @@ def test_every_strategy_picks_one_who_proposed_and_a_finite_command(
     wanting: list[Candidate], previous: str | None
 ) -> None:
     names = {entry.name for entry in wanting}
-    for mediator in (PriorityMediator(), BlendMediator(), SubsumptionMediator([Wire("a", "b")])):
+    for mediator in (PriorityMediator(), BlendMediator(), SubsumptionMediator(wires=[Wire("a", "b")])):
         decision = mediator.arbitrate(wanting, previous)
         assert decision.winner is None or decision.winner in names
         assert math.isfinite(decision.command.left)
@@ -112,3 +114,23 @@ def test_the_order_of_the_candidates_changes_no_winner(wanting: list[Candidate])
     shuffled = sorted(wanting, key=lambda entry: entry.name)
     for mediator in (PriorityMediator(), BlendMediator(), SubsumptionMediator()):
         assert mediator.arbitrate(wanting, None).winner == mediator.arbitrate(shuffled, None).winner
+
+
+@pytest.mark.parametrize("kind", [PriorityMediator, BlendMediator, SubsumptionMediator])
+def test_a_wrong_option_is_refused_with_the_mediators_name_and_what_it_takes(kind: type[Any]) -> None:
+    with pytest.raises(ConfigError, match=f"mediator {kind.name}: unknown setting 'sharp'.*known: "):
+        kind(sharp=1)
+
+
+def test_wires_can_be_given_as_a_settings_file_has_them() -> None:
+    mediator = SubsumptionMediator(wires=[{"source": "low", "target": "high"}])
+    assert mediator.config.wires == (Wire("low", "high"),)
+    with pytest.raises(ConfigError, match=r"mediator subsumption: wires\[0\]: unknown field 'from'"):
+        SubsumptionMediator(wires=[{"from": "low"}])
+
+
+def test_a_sharp_blend_leaves_more_to_the_strongest() -> None:
+    given = [candidate("a", 10, 1.0), candidate("b", 20, 1.0)]
+    even, sharp = BlendMediator().arbitrate(given, None), BlendMediator(sharpness=4.0).arbitrate(given, None)
+    assert "b 67%" in even.reason
+    assert "b 94%" in sharp.reason
