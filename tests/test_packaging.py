@@ -13,6 +13,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
+FRONT = "tolman"
+"""The folder that is the package itself; the others are installed below it."""
 FOLDERS = ("files", "world", "maps", "agent", "behaviors", "plugins", "scripts")
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 
@@ -25,7 +27,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     sources.mkdir()
     for name in ("pyproject.toml", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, sources)
-    for name in FOLDERS:
+    for name in (FRONT, *FOLDERS):
         shutil.copytree(ROOT / name, sources / name, ignore=shutil.ignore_patterns("__pycache__"))
     program = "import sys; from setuptools.build_meta import build_wheel; print(build_wheel(sys.argv[1]))"
     subprocess.run(
@@ -76,6 +78,7 @@ def test_the_wheel_holds_every_module_and_data_file(wheel: Path) -> None:
         for path in [*(ROOT / folder).glob("*"), *(ROOT / "scripts" / "missions").glob("*")]:
             if path.suffix in {".py", ".yaml", ".json"} or path.name == "py.typed":
                 assert f"tolman/{path.relative_to(ROOT)}" in within
+    assert {f"tolman/{path.name}" for path in (ROOT / FRONT).glob("[!.]*.*")} <= within
     assert not [name for name in within if name.startswith(("tests/", "typings/"))]
 
 
@@ -96,13 +99,15 @@ def test_the_wheel_alone_runs_the_command(installed: Path, tmp_path: Path) -> No
 
 
 def test_every_folder_is_installed_and_seen_by_static_tools() -> None:
-    packages = set()
+    packages = {FRONT}
     for folder in FOLDERS:
         inside = [path.parent.relative_to(ROOT) for path in (ROOT / folder).rglob("__init__.py")]
         packages |= {".".join(["tolman", *path.parts]) for path in inside}
     assert set(PROJECT["tool"]["setuptools"]["packages"]) == packages
     for folder in FOLDERS:
         assert (ROOT / "typings" / "tolman" / folder).resolve() == ROOT / folder
+    for path in (ROOT / FRONT).glob("*.py*"):
+        assert (ROOT / "typings" / "tolman" / path.name).resolve() == path
 
 
 def test_every_requirement_is_pinned_and_no_index_is_named() -> None:

@@ -1,4 +1,4 @@
-"""What a command of the command line consists of."""
+"""What a command consists of; its line in `tolman --help` stands in `program.COMMANDS`."""
 
 from __future__ import annotations
 
@@ -9,13 +9,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """One command: `summary` stands in the list of commands, `description` above its own options.
+    """One command: `description` stands above its options.
 
     add_arguments: adds the options to the command's parser. run: does the work, returns the exit status.
     """
 
     name: str
-    summary: str
     description: str
     add_arguments: Callable[[argparse.ArgumentParser], None]
     run: Callable[[argparse.Namespace], int]

@@ -19,22 +19,22 @@ from .command import Command
 from .streams import escaped_streams
 
 COMMANDS = {
-    "worlds": "worlds:COMMAND",
-    "map": "map:COMMAND",
-    "go": "go:COMMAND",
-    "info": "info:COMMAND",
-    "plot": "plot:COMMAND",
-    "validate": "validate:COMMAND",
-    "export": "export:COMMAND",
-    "diff": "diff:COMMAND",
-    "merge": "diff:MERGE",
-    "run": "run:COMMAND",
-    "replay": "replay:COMMAND",
-    "explain": "replay:EXPLAIN",
-    "plugins": "plugins:COMMAND",
-    "experiment": "experiment:COMMAND",
+    "worlds": ("worlds:COMMAND", "list the built-in worlds, draw others"),
+    "map": ("map:COMMAND", "explore a world and save the map of it"),
+    "go": ("go:COMMAND", "find the way to a node of a saved map"),
+    "info": ("info:COMMAND", "say what a map holds"),
+    "plot": ("plot:COMMAND", "draw a map to a PNG, SVG or PDF"),
+    "validate": ("validate:COMMAND", "say what is wrong with a map file, and recover it"),
+    "export": ("export:COMMAND", "write a map for other programs"),
+    "diff": ("diff:COMMAND", "compare two maps of the same world"),
+    "merge": ("diff:MERGE", "join two maps of the same world"),
+    "run": ("run:COMMAND", "run a mission, or show what it would do"),
+    "replay": ("replay:COMMAND", "re-run a recorded session and report the first difference"),
+    "explain": ("replay:EXPLAIN", "read a recorded session as a timeline: who drove, and why"),
+    "plugins": ("plugins:COMMAND", "list, check, write and draw behaviors"),
+    "experiment": ("experiment:COMMAND", "measure it against the published figures"),
 }
-"""Command -> module of `commands` and the `Command` in it, in the order of --help."""
+"""Command -> (module of `commands` with the `Command` in it, its line in --help), so that help loads none."""
 
 EPILOG = """examples:
   tolman worlds                                    what there is to explore
@@ -72,7 +72,7 @@ def build_parser(command: Command) -> Parser:
 
 def build_main_parser() -> Parser:
     """The parser of what stands before the command; it also prints the list of commands."""
-    commands = "\n".join(f"  {name:<12}{load(name).summary}" for name in COMMANDS)
+    commands = "\n".join(f"  {name:<12}{summary}" for name, (_, summary) in COMMANDS.items())
     parser = Parser(
         prog="tolman",
         usage="tolman COMMAND [OPTIONS]",
@@ -88,7 +88,7 @@ def build_main_parser() -> Parser:
 
 def load(name: str) -> Command:
     """Imports a command; only then is anything loaded that it needs."""
-    module, _, attribute = COMMANDS[name].partition(":")
+    module, _, attribute = COMMANDS[name][0].partition(":")
     command = getattr(importlib.import_module(f".commands.{module}", __package__), attribute)
     assert isinstance(command, Command)
     return command

@@ -86,5 +86,5 @@ def run_merge(options: argparse.Namespace) -> int:
     return 0
 
 
-COMMAND = Command("diff", "compare two maps of the same world", DIFF, add_diff_arguments, run_diff)
-MERGE = Command("merge", "join two maps of the same world", MERGED, add_merge_arguments, run_merge)
+COMMAND = Command("diff", DIFF, add_diff_arguments, run_diff)
+MERGE = Command("merge", MERGED, add_merge_arguments, run_merge)

@@ -223,4 +223,4 @@ def _running(options: argparse.Namespace, line: ProgressLine) -> Running:
     return Running(options.jobs, options.dask, until, show)
 
 
-COMMAND = Command("experiment", "measure it against the published figures", DESCRIPTION, add_arguments, run)
+COMMAND = Command("experiment", DESCRIPTION, add_arguments, run)

@@ -41,4 +41,4 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-COMMAND = Command("export", "write a map for other programs", DESCRIPTION, add_arguments, run)
+COMMAND = Command("export", DESCRIPTION, add_arguments, run)

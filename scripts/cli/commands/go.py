@@ -87,4 +87,4 @@ def run(options: argparse.Namespace) -> int:
     return 0 if values["reached"] else 1
 
 
-COMMAND = Command("go", "find the way to a node of a saved map", DESCRIPTION, add_arguments, run)
+COMMAND = Command("go", DESCRIPTION, add_arguments, run)

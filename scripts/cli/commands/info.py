@@ -92,4 +92,4 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-COMMAND = Command("info", "say what a map holds", "Says what a map file holds.", add_arguments, run)
+COMMAND = Command("info", "Says what a map file holds.", add_arguments, run)

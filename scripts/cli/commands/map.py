@@ -142,4 +142,4 @@ def tell(report: MapReport, options: argparse.Namespace) -> int:
     return 0 if values["reason"] in ("loop closed", "max nodes", "max time") else 1
 
 
-COMMAND = Command("map", "explore a world and save the map of it", DESCRIPTION, add_arguments, run)
+COMMAND = Command("map", DESCRIPTION, add_arguments, run)

@@ -41,4 +41,4 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-COMMAND = Command("plot", "draw a map to a PNG, SVG or PDF", DESCRIPTION, add_arguments, run)
+COMMAND = Command("plot", DESCRIPTION, add_arguments, run)

@@ -148,7 +148,6 @@ def _diagram(options: argparse.Namespace) -> int:
 
 COMMAND = Command(
     "plugins",
-    "list, check, write and draw behaviors",
     "Lists the behaviors and mediators that are found; `check NAME-OR-PATH` says whether one keeps the\n"
     "contract and what to fix; `new NAME` writes a behavior with its test; `diagram NAME` draws its states.",
     add_arguments,

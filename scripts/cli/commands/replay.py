@@ -63,7 +63,6 @@ def _explain(options: argparse.Namespace) -> int:
 
 COMMAND = Command(
     "replay",
-    "re-run a recorded session and report the first difference",
     "Runs the agent again on the percepts and images of a recording and compares proposals, commands and\n"
     "events to the bit. Status 0: identical; 1: not, and the first difference is printed. Code runs only\n"
     "where it is on this machine as it was recorded, or with --trust.",
@@ -72,7 +71,6 @@ COMMAND = Command(
 )
 EXPLAIN = Command(
     "explain",
-    "read a recorded session as a timeline: who drove, and why",
     "Prints what happened in a recorded session: every change of control with who wanted what, who won and\n"
     "why; every fault, step and event; and how long each behavior drove.",
     _add_explain,

@@ -122,4 +122,4 @@ def _run(request: MissionRequest, as_json: bool) -> int:
     return 0 if report.status == "done" else 1
 
 
-COMMAND = Command("run", "run a mission, or show what it would do", DESCRIPTION, add_arguments, run)
+COMMAND = Command("run", DESCRIPTION, add_arguments, run)

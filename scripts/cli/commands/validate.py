@@ -53,6 +53,4 @@ def run(options: argparse.Namespace) -> int:
     return 0 if found.valid or options.recover is not None else 1
 
 
-COMMAND = Command(
-    "validate", "say what is wrong with a map file, and recover it", DESCRIPTION, add_arguments, run
-)
+COMMAND = Command("validate", DESCRIPTION, add_arguments, run)

@@ -100,7 +100,6 @@ def describe(world: WorldSpec) -> dict[str, Any]:
 
 COMMAND = Command(
     "worlds",
-    "list the built-in worlds, draw others",
     "Lists the built-in worlds. A world's YAML file, or a ROS map's, can be given wherever a world is named. "
     "`tolman worlds make KIND --seed N -o FILE` draws one: scanned plans, offices, halls, mazes, clutter.",
     add_arguments,

@@ -1,0 +1,1 @@
+../../tolman/__init__.py

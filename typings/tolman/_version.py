@@ -1,0 +1,1 @@
+../../tolman/_version.py
