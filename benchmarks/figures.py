@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import statistics
 import time
+import timeit
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-
-import numpy as np
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,17 +44,7 @@ def report(figures: Iterable[Figure]) -> int:
     return missed
 
 
-def median_seconds(
-    work: Callable[[], object], times: int, clock: Callable[[], float] = time.perf_counter
-) -> float:
-    """The median duration of some calls, after one that is not counted.
-
-    clock: `time.process_time` for work that only computes: what other processes take is not counted then.
-    """
+def median_seconds(work: Callable[[], object], times: int) -> float:
+    """The median of the processor's seconds of some calls, after one that is not counted."""
     work()
-    durations = np.empty(times)
-    for index in range(times):
-        start = clock()
-        work()
-        durations[index] = clock() - start
-    return float(np.median(durations))
+    return statistics.median(timeit.repeat(work, number=1, repeat=times, timer=time.process_time))

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import importlib
-import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 from tolman.maps.local.local_map import LocalMap
 from tolman.maps.som.schedules import METRIC_1, METRIC_2, PERCEPTUAL_1, PERCEPTUAL_2, OnlineConfig
 from tolman.maps.som.som import SOM
 
-from .figures import Figure
-from .figures import median_seconds as median_of
+from .figures import Figure, median_seconds
 from .places import KINDS, PlaceSamples, crosses, sample_place
 
 PLACES = 30
@@ -37,11 +36,6 @@ class Kind:
     configurations: tuple[OnlineConfig, OnlineConfig]
     batch_limit: float
     online_limits: tuple[float, float]
-
-
-def median_seconds(work: Callable[[], object], times: int) -> float:
-    """The median of the processor's seconds: training only computes."""
-    return median_of(work, times, time.process_time)
 
 
 def kinds(places: Sequence[PlaceSamples]) -> tuple[Kind, Kind]:
@@ -130,7 +124,7 @@ def _free_space(places: Sequence[PlaceSamples]) -> Iterator[Figure]:
             crossing[place.kind] += crosses(place.plan, units[i], units[j])
         for unit in np.flatnonzero(local.hits > 0).tolist():
             buried += place.plan.contains(*map(float, units[unit]))
-        parts += not _connected(local)
+        parts += not nx.is_connected(local.free_space())
     yield Figure(f"free space, {len(places)} places: hit units in an obstacle", buried, "", 0)
     thin = [kind for kind in KINDS if "thin" in kind]
     share = 100.0 * sum(crossing[kind] for kind in thin) / sum(edges[kind] for kind in thin)
@@ -138,14 +132,3 @@ def _free_space(places: Sequence[PlaceSamples]) -> Iterator[Figure]:
     rest = sum(crossing[kind] for kind in KINDS if kind not in thin)
     yield Figure("free space: kept edges that cross something else", rest, "")
     yield Figure("free space: places whose units do not hang together", parts, "")
-
-
-def _connected(local: LocalMap) -> bool:
-    graph = local.free_space()
-    reached, waiting = set(), [next(iter(graph))]
-    while waiting:
-        unit = waiting.pop()
-        if unit not in reached:
-            reached.add(unit)
-            waiting.extend(graph[unit])
-    return len(reached) == len(graph)

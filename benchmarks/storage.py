@@ -48,7 +48,7 @@ def storage_figures() -> Iterator[Figure]:
         for nodes, limit in ((1_000, 0.2), (20_000, 2.0)):
             path = folder / f"{nodes}.tolman"
             ring(nodes, bare).save(path)
-            seconds = median_seconds(lambda path=path: HybridMap.load(path), 5, time.process_time)  # type: ignore[misc]
+            seconds = median_seconds(lambda path=path: HybridMap.load(path), 5)  # type: ignore[misc]
             yield Figure(f"map of {nodes} nodes: open", seconds, "s", limit)
         yield from _commits(folder / "20000.tolman", whole)
         path = folder / "27.tolman"

@@ -40,18 +40,8 @@ def build() -> Path:
     """The wheel, built from the checkout."""
     wheels = OUT / "wheel"
     shutil.rmtree(wheels, ignore_errors=True)
-    command = [
-        sys.executable,
-        "-m",
-        "pip",
-        "wheel",
-        "--quiet",
-        "--no-deps",
-        "--wheel-dir",
-        str(wheels),
-        str(ROOT),
-    ]
-    subprocess.run(command, check=True)
+    pip = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps"]
+    subprocess.run([*pip, "--wheel-dir", str(wheels), str(ROOT)], check=True)
     return next(wheels.glob("*.whl"))
 
 

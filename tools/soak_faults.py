@@ -14,6 +14,7 @@ import sys
 import time
 from dataclasses import dataclass, field
 from enum import Enum
+from typing import Any, cast
 
 import numpy as np
 from tolman.agent import Agent, Behavior, Context, Proposal
@@ -23,7 +24,7 @@ from tolman.behaviors.free_itself import FreeItself
 from tolman.behaviors.obstacle_avoidance import ObstacleAvoidance
 from tolman.behaviors.wander import Wander
 from tolman.world import open_world
-from tolman.world.robot import STOP, Image, Percept, RobotGeometry, WheelCommand
+from tolman.world.robot import STOP, Percept, Robot, WheelCommand
 
 KINDS = ("raise", "exit", "nan", "wild", "slow", "flood", "leak", "handler", "no proposal")
 
@@ -40,9 +41,6 @@ class Faulty(Behavior):
     priority = 30
     kind = ""
     rate = 0.01
-
-    def on_reset(self) -> None:
-        """Nothing to forget."""
 
     def on(self, percept: Percept, context: Context) -> Proposal | None:
         """Full speed ahead, or the misdeed."""
@@ -86,26 +84,17 @@ class Witness:
         """Takes the place of the agent's robot."""
         self._agent, self._robot = agent, agent.robot
         self.stopped = False
-        agent.robot = self
+        agent.robot = cast(Robot, self)
 
-    @property
-    def geometry(self) -> RobotGeometry:
-        """The robot's."""
-        return self._robot.geometry
-
-    def sense(self) -> Percept:
-        """The robot's percept."""
-        return self._robot.sense()
+    def __getattr__(self, name: str) -> Any:
+        """All else that the robot has."""
+        return getattr(self._robot, name)
 
     def act(self, command: WheelCommand) -> None:
         """Notes and passes on."""
         driver = self._agent.driver
         self.stopped = driver is not None and not self._agent.is_active(driver)
         self._robot.act(command)
-
-    def look(self, width: int = 16, height: int = 16, color: bool = False) -> Image:
-        """The robot's image."""
-        return self._robot.look(width, height, color)
 
 
 @dataclass(slots=True)

@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+import networkx as nx
+
 ROOT = Path(__file__).resolve().parent.parent
 FLOORS = ("files", "world", "maps", "agent", "behaviors", "plugins", "scripts")
 """The folders of the package, lowest first."""
@@ -47,28 +49,18 @@ class House:
     @cached_property
     def chain(self) -> tuple[str, ...]:
         """The longest chain of modules of which each loads the next; circles count once."""
-        longest: dict[str, tuple[str, ...]] = {}
-        under_way: set[str] = set()
-
-        def chain_from(name: str) -> tuple[str, ...]:
-            if name not in longest:
-                if name in under_way:
-                    return ()
-                under_way.add(name)
-                below = max((chain_from(to) for to in sorted(self.loaded[name])), key=len, default=())
-                longest[name] = (name, *below)
-            return longest[name]
-
-        return max((chain_from(name) for name in sorted(self.files)), key=len)
+        folded = nx.condensation(nx.DiGraph({name: sorted(self.loaded[name]) for name in sorted(self.files)}))
+        return tuple(min(folded.nodes[each]["members"]) for each in nx.dag_longest_path(folded))
 
     def circles(self, rooms: bool = False) -> list[tuple[str, ...]]:
         """Modules (or rooms) that import one another, for type checkers too: each circle's members."""
-        edges: dict[str, set[str]] = {}
+        graph = nx.DiGraph()
         for name, imported in self.all.items():
-            source = self._room(name) if rooms else name
-            targets = {self._room(to) for to in imported} if rooms else set(imported)
-            edges.setdefault(source, set()).update(targets - {source})
-        return [tuple(sorted(each)) for each in _components(edges) if len(each) > 1]
+            for to in imported:
+                graph.add_edge(self._room(name) if rooms else name, self._room(to) if rooms else to)
+        return sorted(
+            tuple(sorted(each)) for each in nx.strongly_connected_components(graph) if len(each) > 1
+        )
 
     def _room(self, name: str) -> str:
         """The folder two below the root that a module is in, or itself where it stands on its floor."""
@@ -122,32 +114,6 @@ def _imports(name: str, path: Path, files: Mapping[str, Path]) -> Iterator[tuple
 
 def _is_for_type_checkers(node: ast.AST) -> bool:
     return isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)
-
-
-def _components(edges: Mapping[str, set[str]]) -> list[set[str]]:
-    """The strongly connected components of a graph (Tarjan 1972)."""
-    index: dict[str, int] = {}
-    low: dict[str, int] = {}
-    stack: list[str] = []
-    found: list[set[str]] = []
-
-    def visit(node: str) -> None:
-        index[node] = low[node] = len(index)
-        stack.append(node)
-        for to in sorted(edges.get(node, ())):
-            if to not in index:
-                visit(to)
-                low[node] = min(low[node], low[to])
-            elif to in stack:
-                low[node] = min(low[node], index[to])
-        if low[node] == index[node]:
-            found.append(set(stack[stack.index(node) :]))
-            del stack[stack.index(node) :]
-
-    for node in sorted(edges):
-        if node not in index:
-            visit(node)
-    return found
 
 
 def main() -> None:

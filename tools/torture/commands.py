@@ -5,8 +5,6 @@ from __future__ import annotations
 import contextlib
 import json
 import math
-import resource
-import signal
 from collections import Counter
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -19,10 +17,9 @@ from tolman.scripts.cli.commands.info import summary, table
 from tolman.scripts.drawing.map_picture import plot_map
 from tolman.world.errors import WorldError
 
-from .children import in_child
+from .children import counted
 from .crafted import craft
 from .maps import content_digest, map_made_up_world
-from .mutations import MEMORY_LIMIT_MB, PATIENCE
 
 KNOWN = (MapError, FileError, WorldError)
 """What a command tells in one line."""
@@ -32,26 +29,8 @@ def commands(count: int, seed: int, folder: Path, plotted: int = 500) -> Counter
     """Takes `count` crafted files through all of it, counts how each ended; `plotted` of them are drawn."""
     source = folder / "source.tolman"
     make_source(source)
-    result: Counter[str] = Counter()
-    for first in range(0, count, 250):
-        numbers = range(first, min(first + 250, count))
-
-        def work(tell: Callable[[bytes], object], numbers: range = numbers) -> None:
-            signal.signal(signal.SIGALRM, signal.SIG_DFL)
-            for number in numbers:
-                signal.alarm(PATIENCE)
-                plot = number % max(1, count // plotted) == 0
-                tell(f"{_one(source, number, seed, folder, plot)}\n".encode())
-
-        told, killed = in_child(work)
-        result += Counter(told.decode().splitlines())
-        result["ended the campaign"] += len(told.splitlines()) < len(numbers)
-        if killed:
-            result["hangs" if killed == signal.SIGALRM else "crashes"] += 1
-    peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss // 1024
-    result["peak memory of a reader, MB"] = peak
-    result["over the memory limit"] = int(peak > MEMORY_LIMIT_MB)
-    return result
+    every = max(1, count // plotted)
+    return counted(count, lambda number: _one(source, number, seed, folder, number % every == 0))
 
 
 def make_source(path: Path) -> None:
@@ -80,8 +59,6 @@ def _one(source: Path, number: int, seed: int, folder: Path, plot: bool) -> str:
             ended.append("refused")
         except Exception as error:
             return f"another exception: {number}: {name}: {what}: {type(error).__name__}: {str(error)[:90]!r}"
-        if ended[0] == "refused" and name == "load":
-            continue
     if ended[0] == "refused":
         return "refused"
     fault = _ill_formed(path, folder)

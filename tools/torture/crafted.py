@@ -13,79 +13,18 @@ import numpy as np
 from tolman.maps.storage.schema import CURRENT
 from tolman.maps.storage.values import row_hash, wrap_sum
 
-NUMBERS = (
-    0,
-    1,
-    -1,
-    7,
-    2**31,
-    2**53,
-    2**62,
-    -(2**63),
-    0.5,
-    -1.5,
-    1e9,
-    1e308,
-    -1e308,
-    5e-324,
-    math.inf,
-    -math.inf,
-)
-TEXTS = (
-    *(
-        "",
-        "x",
-        "5",
-        "right",
-        "foray",
-        "concave",
-        "\0",
-        "\x1b[31m\u202e",
-        "a\nb",
-        "n0",
-        "9" * 4000,
-        "x" * 5000,
-    ),
-    *(
-        "{}",
-        "[]",
-        "null",
-        "NaN",
-        "1e999",
-        "[" * 2000,
-        '{"a":1,"a":2}',
-        '{"place_m":[1e308,1e308]}',
-        '{"pose":[]}',
-    ),
-    *(
-        '{"place_m":["x"]}',
-        '{"tolman:x":[]}',
-        '{"place_m":5}',
-        '{"pose":"x","track":[[1]]}',
-        '"x"',
-        "-0",
-        "true",
-    ),
-)
-VALUES = (*NUMBERS, *TEXTS, b"", b"\xff" * 8, bytes(1000), None)
-LEAVES: tuple[Any, ...] = (
-    *NUMBERS[:13],
-    *TEXTS[:12],
-    True,
-    None,
-    [],
-    {},
-    [[1, 2]],
-    [10**30],
-    {"a": {"b": []}},
-)
-JSON_COLUMNS = {
-    ("meta", "value"),
-    ("node", "notes"),
-    ("node", "local_map"),
-    ("arc", "notes"),
-    ("truth", "data"),
-}
+INTEGERS = (0, 1, -1, 7, 2**31, 2**53, 2**62, -(2**63))
+FLOATS = (0.5, -1.5, 1e9, 1e308, -1e308, 5e-324, math.inf, -math.inf)
+LABELS = ("", "x", "5", "right", "foray", "concave")
+WORDS = (*LABELS, "\0", "\x1b[31m\u202e", "a\nb", "n0", "9" * 4000, "x" * 5000)
+JSON_VALUES = ("{}", "[]", "null", "NaN", "1e999", "[" * 2000, '{"a":1,"a":2}')
+PLACES = ('{"place_m":[1e308,1e308]}', '{"pose":[]}', '{"place_m":["x"]}', '{"tolman:x":[]}', '{"place_m":5}')
+MORE_JSON = ('{"pose":"x","track":[[1]]}', '"x"', "-0", "true")
+BYTES = (b"", b"\xff" * 8, bytes(1000))
+VALUES = (*INTEGERS, *FLOATS, *WORDS, *JSON_VALUES, *PLACES, *MORE_JSON, *BYTES, None)
+NESTED: tuple[Any, ...] = ([], {}, [[1, 2]], [10**30], {"a": {"b": []}})
+LEAVES: tuple[Any, ...] = (*INTEGERS, *FLOATS[:5], *WORDS, True, None, *NESTED)
+JSON_COLUMNS = {"meta": ["value"], "node": ["notes", "local_map"], "arc": ["notes"], "truth": ["data"]}
 TABLES = (
     *CURRENT.columns,
     *("node", "arc", "node", "arc", "local map", "local map", "tensors", "digest", "text"),
@@ -98,9 +37,7 @@ def craft(source: Path, path: Path, rng: np.random.Generator) -> str:
     connection = sqlite3.connect(path, isolation_level=None)
     _set_strict(connection, False)
     connection.close()
-    connection = sqlite3.connect(
-        path, isolation_level=None
-    )  # the schema is parsed again: no types are kept now
+    connection = sqlite3.connect(path, isolation_level=None)  # parses the schema again: no types are kept now
     changed = []
     try:
         for _ in range(int(rng.integers(1, 4))):
@@ -145,13 +82,13 @@ def _change(connection: sqlite3.Connection, table: str, rng: np.random.Generator
         return "nothing"
     row = list(rows[int(rng.integers(len(rows)))])
     at = int(rng.integers(len(columns)))
-    if (table, columns[at]) in JSON_COLUMNS and rng.random() < 0.6:
+    if columns[at] in JSON_COLUMNS.get(table, ()) and rng.random() < 0.6:
         value = _hostile_json(row[at], rng)
-    _replace(connection, table, row, at, value)
+    replace_value(connection, table, row, at, value)
     return f"{table}.{columns[at]}"
 
 
-def _replace(connection: sqlite3.Connection, table: str, row: list[Any], at: int, value: Any) -> None:
+def replace_value(connection: sqlite3.Connection, table: str, row: list[Any], at: int, value: Any) -> None:
     """Changes one value of a row, and the row's checksum and the digest with it."""
     columns, count = CURRENT.columns[table], CURRENT.keys[table]
     where = " AND ".join(f"{column} IS ?" for column in columns[:count])
@@ -186,7 +123,7 @@ def _change_local_map(connection: sqlite3.Connection, rng: np.random.Generator) 
         manifest.update(bytes=len(data), hash=hashlib.blake2b(data, digest_size=16).hexdigest())
     connection.execute("UPDATE tensors SET data = ? WHERE node = ?", (bytes(data), node))
     text = json.dumps(manifest, sort_keys=True, separators=(",", ":"))
-    _replace(connection, "node", list(row), len(row) - 1, text)
+    replace_value(connection, "node", list(row), len(row) - 1, text)
     return "a local map"
 
 

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 from tolman.maps.storage.schema import CURRENT
-from tolman.maps.storage.values import row_hash
+
+from .crafted import replace_value
 
 BYTES = ("truncate", "extend", "flip", "flip few", "overwrite", "zero", "swap pages", "header", "double page")
 ROWS = ("swap values", "set value", "delete row", "copy tensor", "swap tensors", "flip tensor", "digest")
@@ -136,12 +137,7 @@ def _crafted_mutant(connection: sqlite3.Connection, name: str, rng: np.random.Ge
 
 
 def _reset(connection: sqlite3.Connection, table: str, column: str, value: Any) -> None:
-    """Changes one value of the first row, and makes the row's checksum and the digest fit."""
+    """Changes one value of the first row."""
     columns = CURRENT.columns[table]
-    row = list(connection.execute(f"SELECT {', '.join(columns)}, hash FROM {table} LIMIT 1").fetchone())
-    old = row.pop()
-    row[columns.index(column)] = value
-    new = row_hash(table, tuple(row))
-    connection.execute(f"UPDATE {table} SET {column} = ?, hash = ? WHERE hash = ?", (value, new, old))
-    total = connection.execute("SELECT total FROM digest WHERE name = ?", (table,)).fetchone()[0] + new - old
-    connection.execute("UPDATE digest SET total = ? WHERE name = ?", ((total + 2**63) % 2**64 - 2**63, table))
+    row = connection.execute(f"SELECT {', '.join(columns)} FROM {table} LIMIT 1").fetchone()
+    replace_value(connection, table, list(row), columns.index(column), value)
