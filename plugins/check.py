@@ -18,12 +18,12 @@ import numpy as np
 
 from ..agent.agent import Agent
 from ..agent.behavior import Behavior, check_declarations
+from ..agent.codec import decode, dumps
 from ..agent.containment import check_proposal, describe
 from ..agent.errors import GoalError
 from ..agent.events import BehaviorFaulted, Event
 from ..agent.fields import needs_values
 from ..agent.handle import Limits
-from ..agent.recording.codec import decode, dumps
 from ..world.robot import EPUCK, Percept
 from .diagram import edges
 from .testing.trial import FAR, ScriptedRobot, Trial, percept

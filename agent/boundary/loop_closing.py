@@ -9,13 +9,16 @@ certain. A boundary that stands apart from the first has a loop detector of its 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from enum import Enum
 from itertools import pairwise
 from typing import Any
 
+from ..codec import decode, encode, reinstate, snapshot
 from ..events import CornerReached
 from .trace import BEND, WEAK, BoundaryTrace, ClosingConfig, Corner, WallSegment
+
+_KEPT = ("_undecided", "_hypotheses")
 
 
 class Finding(Enum):
@@ -156,32 +159,16 @@ class LoopDetector:
     def state(self) -> dict[str, Any]:
         """What has to be kept to go on, as JSON."""
         return {
-            "corners": [
-                [
-                    each.kind,
-                    each.length,
-                    each.turn,
-                    each.way and [each.way.dx, each.way.dy, each.way.dtheta],
-                ]
-                for each in self.trace.corners
-            ],
+            **snapshot(self, _KEPT),
+            "corners": encode(self.trace.corners),
             "nodes": sorted(self.node_of.items()),
-            "undecided": [_plain(each) for each in self._undecided],
-            "trails": [[each.past, [_plain(met) for met in each.corners]] for each in self._hypotheses],
         }
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Goes back to a `state`."""
-        self.trace.corners = [
-            Corner(kind, length, turn, WallSegment(*way[0]) if way and way[0] else None)
-            for kind, length, turn, *way in state["corners"]
-        ]
+        reinstate(self, _KEPT, state, CornerObservation, LoopHypothesis)
+        self.trace.corners = decode(state["corners"], Corner, WallSegment)
         self.node_of = {int(index): int(node) for index, node in state["nodes"]}
-        self._undecided = [_met(*values) for values in state.get("undecided", ())]
-        self._hypotheses = [
-            LoopHypothesis([_met(*each) for each in corners], past)
-            for past, corners in state.get("trails", ())
-        ]
 
 
 def _may_be_missed(event: CornerReached, corners: bool) -> bool:
@@ -189,11 +176,3 @@ def _may_be_missed(event: CornerReached, corners: bool) -> bool:
     if event.kind == BEND:
         return corners
     return event.kind == "concave" and abs(event.turn) < WEAK
-
-
-def _plain(met: CornerObservation) -> list[Any]:
-    return [met.index, asdict(met.event), met.known]
-
-
-def _met(index: int, event: Mapping[str, Any], known: int | None) -> CornerObservation:
-    return CornerObservation(index, CornerReached(**event), known)

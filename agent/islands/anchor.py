@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ...world.robot import Pose, wrap_angle
 from ..boundary.trace import BEND
+from ..codec import reinstate, snapshot
 from ..events import CornerReached
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
 _SAME_WALL = 0.35
 """Radians between the directions of two walls up to which they may be the same."""
+_KEPT = ("corner", "_travelled")
 
 
 def nodes_near(known: Sequence[Outline], corner: Pose, kind: str, slack: float) -> dict[int, float]:
@@ -96,12 +98,8 @@ class Anchor:
 
     def state(self) -> dict[str, Any]:
         """All that changes, as JSON."""
-        return {
-            "corner": None if self.corner is None else asdict(self.corner),
-            "anchored": self._travelled,
-        }
+        return snapshot(self, _KEPT)
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Goes back to a `state`."""
-        self.corner = None if state["corner"] is None else CornerReached(**state["corner"])
-        self._travelled = state["anchored"]
+        reinstate(self, _KEPT, state)

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
-from ...world.robot import Pose
 from .anchor import nodes_near
 from .outlines import Outline, Point
 
 if TYPE_CHECKING:
     from ...maps.hybrid_map import Arc, HybridMap
+    from ...world.robot import Pose
     from ..events import CornerReached
 
 ROUND = 2.4 * math.pi
@@ -33,7 +33,7 @@ class Candidate:
     place: Pose | None = None
     track: list[Point] = field(default_factory=list)
     turned: float = 0.0
-    maybe: set[int] = field(default_factory=set)
+    maybe: list[int] = field(default_factory=list)
 
     def follow(self, pose: Pose, turn: float) -> None:
         """Takes a tick along its wall. turn: rad."""
@@ -53,31 +53,14 @@ class Candidate:
 
         corner: where the robot is, heading along the wall it has followed. To be asked once for each corner.
         """
-        now = set(nodes_near(known, corner, event.kind, _ASTRAY))
+        now = sorted(nodes_near(known, corner, event.kind, _ASTRAY))
         before, self.maybe = self.maybe, now
-        for node in sorted(now):
+        for node in now:
             for arc in _arcs_into(hybrid_map, node, hybrid_map.meta.side):
                 slack = 0.02 + 0.02 * arc.distance
                 if arc.start in before and abs(arc.distance - event.path_length) < slack:
                     return node
         return None
-
-    def state(self) -> dict[str, Any]:
-        """All that changes, as JSON."""
-        return {
-            "first": self.first,
-            "place": None if self.place is None else asdict(self.place),
-            "maybe": sorted(self.maybe),
-            "track": [list(point) for point in self.track],
-            "turned": self.turned,
-        }
-
-    @classmethod
-    def restored(cls, state: Mapping[str, Any]) -> Candidate:
-        """Back at a `state`."""
-        place = None if state["place"] is None else Pose(**state["place"])
-        track = [(x, y) for x, y in state["track"]]
-        return cls(state["first"], place, track, state["turned"], set(state["maybe"]))
 
 
 def _arcs_into(hybrid_map: HybridMap, node: int, kind: str) -> list[Arc]:

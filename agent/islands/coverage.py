@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ...maps.errors import NoPathError
 from ...world.robot import Pose, wrap_angle
@@ -54,27 +54,6 @@ class Scouting:
     def over(cls, hybrid: HybridMap, config: ScoutConfig) -> Scouting:
         """Nothing driven yet. The first boundary of the map must be closed."""
         return cls(Sweep.over(outlines(hybrid)[0], config.spacing), config)
-
-    def state(self) -> dict[str, Any]:
-        """All that changes, as JSON."""
-        return {
-            "axis": self.sweep.axis,
-            "lines": list(self.sweep.lines),
-            "driven": [list(piece) for piece in self.driven],
-            "tried": dict(self.tried),
-            "blind": [[list(point) for point in outline.points] for outline in self.blind],
-        }
-
-    @classmethod
-    def restored(cls, state: Mapping[str, Any], config: ScoutConfig) -> Scouting:
-        """Back at a `state`."""
-        return cls(
-            Sweep(float(state["axis"]), tuple(state["lines"])),
-            config,
-            [(u, v0, v1) for u, v0, v1 in state["driven"]],
-            {str(key): int(count) for key, count in state["tried"].items()},
-            [Outline(tuple((x, y) for x, y in points)) for points in state["blind"]],
-        )
 
     def all(self, hybrid: HybridMap) -> list[Outline]:
         """Every outline known."""

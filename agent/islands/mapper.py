@@ -12,10 +12,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
 from ...world.robot import Percept
+from ..codec import decode, encode, reinstate, snapshot
 from ..events import CornerReached, Localized, LoopClosed, Lost, NodePassed, NodeReached
 from ..goals import START_AT, Follow
 from ..listener import Listener, Outcome
@@ -29,13 +31,14 @@ from .anchor import Anchor
 from .candidate import ROUND
 from .coverage import ScoutConfig, Scouting
 from .links import is_same, leads, link_islands, unproven_link
+from .outlines import Outline
 from .survey import Survey, Verdict
+from .sweep import Sweep
 
 if TYPE_CHECKING:
     from ...maps.hybrid_map import HybridMap
     from ..agent import Agent
     from ..behavior import Context
-    from .outlines import Outline
     from .sweep import Chord
 
 _FARTHEST = 5.0
@@ -43,6 +46,7 @@ _FARTHEST = 5.0
 _LEAVES = 5
 """How often it sets out from an island without knowing where that leads."""
 _BEHAVIORS = ("wall-following", "local-exploration", "position-correction", "go-to-node", "foray")
+_KEPT = ("_doing", "_node", "forays", "islands", "_leaves")
 
 
 class Doing(Enum):
@@ -136,27 +140,23 @@ class IslandMapper(Listener):
 
     def state(self) -> dict[str, Any]:
         """What a resumed mapping needs, as JSON; to be taken when the sink is called."""
-        mapping = self._doing in (Doing.BOUNDARY, Doing.ISLAND)
         return {
-            "doing": self._doing.name,
-            **self._survey.state(mapping),
-            "scouting": None if self._scouting is None else self._scouting.state(),
-            "node": self._node,
-            "counts": [self.forays, self.islands, self._leaves],
-            **self._anchor.state(),
+            **snapshot(self, _KEPT),
+            "scouting": encode(self._scouting),
+            "survey": self._survey.state(self._doing in (Doing.BOUNDARY, Doing.ISLAND)),
+            "anchor": self._anchor.state(),
             "heard": self.agent.bus.corners,
         }
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Goes back to a `state`."""
-        self._doing = Doing[state["doing"]]
-        self._survey.restore(state, self._doing is Doing.BOUNDARY, self._doing is Doing.ISLAND)
+        reinstate(self, _KEPT, state, Doing)
+        self._survey.restore(state["survey"], self._doing is Doing.BOUNDARY, self._doing is Doing.ISLAND)
         if state["scouting"] is not None:
-            self._scouting = Scouting.restored(state["scouting"], self.config)
-        self._node = int(state["node"])
-        self.forays, self.islands, self._leaves = state["counts"]
-        self._anchor.restore(state)
-        self.agent.bus.corners = int(state.get("heard", 0))
+            scouting = decode(state["scouting"], Scouting, ScoutConfig, Sweep, Outline)
+            self._scouting = replace(scouting, config=self.config)
+        self._anchor.restore(state["anchor"])
+        self.agent.bus.corners = int(state["heard"])
 
     def update(self, percept: Percept, context: Context) -> None:
         """Watches for what has no event: a mapping given up, an island without corners."""

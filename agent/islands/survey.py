@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...maps.boundary.layout import PLACE
 from ..boundary.trace import BEND
+from ..codec import decode, encode
 from ..mapping.corners import Mapper, MappingConfig
 from .candidate import ROUND, Candidate
 from .links import is_same, take_back
@@ -162,7 +163,7 @@ class Survey:
             "mapper": self.mapper.state() if mapping else None,
             "mismatch": [self.mismatch.value, self.mismatch.variance],
             "heading": self.mapper.heading,
-            **(self.candidate or Candidate()).state(),
+            "candidate": encode(self.candidate),
         }
 
     def restore(self, state: Mapping[str, Any], first: bool, mapping: bool) -> None:
@@ -171,7 +172,7 @@ class Survey:
             self.mapper.stop("the boundary is mapped")
             if mapping:
                 self.begin()
-            self.candidate = Candidate.restored(state)
+            self.candidate = decode(state["candidate"], Candidate)
         if state["mapper"] is not None:
             self.mapper.restore(state["mapper"])
         self.mismatch.value, self.mismatch.variance = state["mismatch"]

@@ -7,9 +7,10 @@ tells where a node is, and that it is back at one, is the method's own: see `cor
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
+from ..codec import reinstate, snapshot
 from ..events import ArcAdded, CornerReached, LocalMapBuilt, NodeCommitted, NodeCreated
 from ..goals import LocalSamples
 from ..listener import Listener, TickListener
@@ -81,6 +82,8 @@ class BaseMapper(Listener):
 
     behaviors: ClassVar[tuple[str, ...]] = ()
     """What it drives by; the first follows the wall."""
+    kept: ClassVar[tuple[str, ...]] = ("current", "_met")
+    """The attributes that its `state` keeps."""
 
     def __init__(self, agent: Agent, hybrid_map: HybridMap, sink: MapSink, config: NodeSettings) -> None:
         """Nothing is mapped yet."""
@@ -100,18 +103,12 @@ class BaseMapper(Listener):
 
     def state(self) -> dict[str, Any]:
         """What a resumed mapping needs to go on exactly; to be taken while a node is committed."""
-        return {
-            "current": self.current,
-            "met": None if self._met is None else asdict(self._met),
-            "heard": self.agent.bus.corners,
-        }
+        return {**snapshot(self, self.kept), "heard": self.agent.bus.corners}
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Goes back to a `state`."""
-        self.current = int(state["current"])
-        met = state.get("met")
-        self._met = None if met is None else CornerReached(**met)
-        self.agent.bus.corners = int(state.get("heard", 0))
+        reinstate(self, self.kept, state)
+        self.agent.bus.corners = int(state["heard"])
 
     # --- steps ---------------------------------------------------------------------------------------
 

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
 from ...world.robot import wrap_angle
 from ..boundary.loop_closing import CornerObservation, Finding, LoopDetector
 from ..boundary.trace import BEND, BoundaryTrace, ClosingConfig
+from ..codec import decode, encode
 from ..estimation.wall_segments import WallSegmentMeter
 from ..events import BehaviorFinished, CornerReached, LoopClosed, WallMet
 from ..goals import START_AT, ExploreLocally, Follow, FollowFrom, ReacquireCorner
@@ -70,6 +71,7 @@ class Mapper(BaseMapper):
     """
 
     behaviors = ("wall-following", "local-exploration", "position-correction", "go-to-node")
+    kept = (*BaseMapper.kept, "_corner")
 
     def __init__(
         self,
@@ -147,8 +149,7 @@ class Mapper(BaseMapper):
         return {
             **super().state(),
             **self.loop.state(),
-            "corner": asdict(self._corner),
-            "wall": None if self.meter.wall is None else asdict(self.meter.wall),
+            "wall": encode(self.meter.wall),
             "mismatch": [self.mismatch.value, self.mismatch.variance],
         }
 
@@ -156,8 +157,7 @@ class Mapper(BaseMapper):
         """Goes back to a `state`."""
         super().restore(state)
         self.loop.restore(state)
-        self._corner = CornerReached(**state["corner"])
-        self.meter.met(None if state["wall"] is None else WallMet(**state["wall"]))
+        self.meter.met(decode(state["wall"]))
         self.mismatch.value, self.mismatch.variance = state["mismatch"]
         self.mismatch.apply(self.agent.odometry)
 

@@ -58,6 +58,7 @@ class ThesisMapper(BaseMapper):
     """
 
     behaviors = ("reactive-wall-following", "look-around", "local-exploration")
+    kept = (*BaseMapper.kept, "_before", "_origin", "_travelled")
     _corner: CornerReached
     """Where algorithm 1 noticed a change last."""
 
@@ -94,20 +95,11 @@ class ThesisMapper(BaseMapper):
 
     def state(self) -> dict[str, Any]:
         """What a resumed mapping needs to go on exactly; to be taken while a node is committed."""
-        before = self._before
-        return {
-            **super().state(),
-            "before": None if before is None else [before.x, before.y, before.heading],
-            "origin": self._origin,
-            "travelled": self._travelled,
-            "ratios": sorted(self.ratios.items()),
-        }
+        return {**super().state(), "ratios": sorted(self.ratios.items())}
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Goes back to a `state`."""
         super().restore(state)
-        self._before = None if state["before"] is None else Pose(*state["before"])
-        self._origin, self._travelled = float(state["origin"]), float(state["travelled"])
         self.ratios = {int(node): float(ratio) for node, ratio in state["ratios"]}
 
     # --- algorithm 1 ---------------------------------------------------------------------------------

@@ -11,9 +11,9 @@ from typing import Any
 from ...files.messages import quoted
 from ...files.reading import read_text
 from ...files.writing import write_text
+from ..codec import decode, encode
 from ..errors import CodecError, MissionError
 from ..listener import Outcome
-from ..recording.codec import decode, encode
 
 MAX_BYTES = 100_000_000
 """Largest journal that is read: of a million steps."""

@@ -19,9 +19,9 @@ import numpy as np
 from ...files.messages import printable
 from ...files.writing import open_growing
 from ...world.robot import CONTROL_PERIOD, Image, Percept, Pose, Robot, RobotGeometry, WheelCommand
+from ..codec import dumps
 from ..events import Event
 from ..listener import Listener
-from .codec import dumps
 from .reader import VERSION
 
 if TYPE_CHECKING:

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any, Self
 
 from ...files.messages import printable
 from ...world.robot import CONTROL_PERIOD, EPUCK, EPUCK2, Image, Percept, Pose, RobotGeometry, WheelCommand
+from ..codec import dumps
 from ..errors import RecordingError
 from ..events import Event
-from .codec import dumps
 from .reader import RecordedTick, Recording
 from .recorder import described_proposals
 

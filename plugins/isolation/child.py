@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 
 from ...agent.behavior import Behavior, Context, Proposal
+from ...agent.codec import decode, dumps, encode, known_classes
 from ...agent.containment import describe
 from ...agent.declarations import declared
 from ...agent.events import Event, EventBus, Subscription
 from ...agent.fields import configured
-from ...agent.recording.codec import decode, dumps, encode, known_classes
 from ...world.robot import Image, RobotGeometry
 from ..discovery import BEHAVIORS, discover, plugins_in
 from ..errors import IsolationError

@@ -17,8 +17,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...agent.behavior import Behavior, Context, NoConfig, Proposal, Transition
+from ...agent.codec import decode, dumps, encode, known_classes
 from ...agent.events import Event
-from ...agent.recording.codec import decode, dumps, encode, known_classes
 from ...world.robot import Percept, WheelCommand
 from ..errors import BrokenPluginError, IsolationError
 from .wire import Channel, Kind, pack_tick, unpack_proposal

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...agent.codec import encode
 from ...agent.containment import describe
 from ...agent.errors import CodecError, MissionError
 from ...agent.missions.journal import Journal
 from ...agent.missions.mission import Mission, MissionRunner
-from ...agent.recording.codec import encode
 from ...files.reading import read_text
 from ...maps.errors import MapError
 from ...maps.hybrid_map import HybridMap

@@ -16,8 +16,8 @@ from tolman.agent import (
     Proposal,
     Transition,
 )
+from tolman.agent.codec import dumps, loads
 from tolman.agent.events import Event, PluginEvent
-from tolman.agent.recording.codec import dumps, loads
 from tolman.plugins.testing import ScriptedRobot, Trial, event_of
 from tolman.world.robot import STOP, Percept
 

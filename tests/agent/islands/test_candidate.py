@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from tolman.agent.codec import decode, encode
 from tolman.agent.events import CornerReached
 from tolman.agent.islands.candidate import Candidate
 from tolman.maps.hybrid_map import HybridMap
@@ -37,8 +38,8 @@ def test_corners_at_another_distance_are_of_something_else() -> None:
 
 
 def test_its_track_has_places_apart_and_it_goes_on_from_what_was_kept() -> None:
-    candidate = Candidate(first=4, place=Pose(0.4, 0.4, 1.0), maybe={2, 1})
+    candidate = Candidate(first=4, place=Pose(0.4, 0.4, 1.0), maybe=[1, 2])
     for step in range(10):
         candidate.follow(Pose(0.01 * step, 0.0, 0.0), 0.1)
     assert candidate.track == [(0.0, 0.0), (0.05, 0.0)]
-    assert Candidate.restored(candidate.state()) == candidate
+    assert decode(encode(candidate), Candidate) == candidate

@@ -1,9 +1,13 @@
 from __future__ import annotations
 
+import json
 import math
 
 import pytest
+from tolman.agent.codec import decode, encode
 from tolman.agent.islands.coverage import ScoutConfig, Scouting
+from tolman.agent.islands.outlines import Outline
+from tolman.agent.islands.sweep import Sweep
 from tolman.maps.hybrid_map import HybridMap
 from tolman.maps.meta import MapMeta
 
@@ -60,6 +64,6 @@ def test_it_goes_on_from_what_was_kept_as_from_what_was_known() -> None:
     scouting.try_once(chord)
     scouting.drove(chord, 0.1, 0.2)
     scouting.blind.append(ISLAND)
-    again = Scouting.restored(scouting.state(), ScoutConfig())
-    assert again.state() == scouting.state()
+    again = decode(json.loads(json.dumps(encode(scouting))), Scouting, ScoutConfig, Sweep, Outline)
+    assert again == scouting
     assert again.next(found, 0) == scouting.next(found, 0)

@@ -1,4 +1,4 @@
-"""Events, goals and results as JSON and back: for recordings, mission journals, plugins in subprocesses.
+"""Events, goals, results and states as JSON and back: for recordings, journals, plugins in subprocesses.
 
 A dataclass becomes `{"$": class name, field: value, ...}`, an enum member `{"$enum": "Class.NAME"}`, a tuple
 `{"$tuple": [...]}`, an array `{"$array": nested lists, "dtype": ...}`, a float that is not finite
@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from ...world.robot import Pose, WheelCommand
-from .. import events, goals
-from ..errors import CodecError
+from ..world.robot import Pose, WheelCommand
+from . import events, goals
+from .errors import CodecError
 
 _DEPTH = 20
 
@@ -86,34 +86,34 @@ def known_classes() -> dict[str, type[Any]]:
 _CLASSES = known_classes()
 
 
-def decode(value: Any) -> Any:
-    """The value that `encode` was given, as far as its classes are known.
+def decode(value: Any, *classes: type[Any]) -> Any:
+    """The value that `encode` was given, as far as its classes are known. classes: known here besides.
 
     Raises: CodecError for a known class with unknown or missing fields, and for what `encode` never makes.
     """
     try:
-        return _decode(value)
+        return _decode(value, _CLASSES | {cls.__name__: cls for cls in classes})
     except (TypeError, ValueError, LookupError, RecursionError, OverflowError) as fault:
         raise CodecError(f"not a recorded value: {fault}") from fault
 
 
-def _decode(value: Any) -> Any:
+def _decode(value: Any, classes: Mapping[str, type[Any]]) -> Any:
     if isinstance(value, list):
-        return [_decode(item) for item in value]
+        return [_decode(item, classes) for item in value]
     if not isinstance(value, dict):
         return value
     if "$tuple" in value:
-        return tuple(_decode(item) for item in value["$tuple"])
+        return tuple(_decode(item, classes) for item in value["$tuple"])
     if "$float" in value:
         return float(value["$float"])
     if "$array" in value:
         return _array(value)
     if "$enum" in value:
         name, _, member = str(value["$enum"]).partition(".")
-        cls = _CLASSES.get(name)
+        cls = classes.get(name)
         return cls[member] if cls is not None and issubclass(cls, Enum) else value["$enum"]
-    body = {key: _decode(item) for key, item in value.items() if key != "$"}
-    cls = _CLASSES.get(str(value.get("$", "")))
+    body = {key: _decode(item, classes) for key, item in value.items() if key != "$"}
+    cls = classes.get(str(value.get("$", "")))
     if cls is None:
         return body if "$" not in value else {"$": value["$"], **body}
     return cls(**body)
@@ -132,3 +132,14 @@ def loads(text: str) -> Any:
         return decode(json.loads(text))
     except (ValueError, RecursionError) as fault:
         raise CodecError(f"not a recorded value: {fault}") from fault
+
+
+def snapshot(owner: Any, names: Iterable[str]) -> dict[str, Any]:
+    """Attributes of an object as JSON values: what a resumed run needs of it."""
+    return {name.lstrip("_"): encode(getattr(owner, name)) for name in names}
+
+
+def reinstate(owner: Any, names: Iterable[str], state: Mapping[str, Any], *classes: type[Any]) -> None:
+    """Sets these attributes as they were when a `snapshot` was taken. classes: as for `decode`."""
+    for name in names:
+        setattr(owner, name, decode(state[name.lstrip("_")], *classes))

@@ -1,13 +1,18 @@
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tolman.agent.boundary.trace import Corner, WallSegment
+from tolman.agent.codec import decode, dumps, loads, reinstate, snapshot
 from tolman.agent.errors import CodecError
+from tolman.agent.estimation.odometry import PathIntegrator
 from tolman.agent.events import Event, PluginEvent
 from tolman.agent.goals import Follow, FollowFrom
-from tolman.agent.recording.codec import dumps, loads
+from tolman.world.robot import EPUCK, Pose
 
 values = st.recursive(
     st.one_of(st.none(), st.booleans(), st.integers(-(2**60), 2**60), st.floats(), st.text(max_size=5)),
@@ -60,3 +65,16 @@ def test_text_that_is_no_value_is_refused(text: str) -> None:
 
 def test_a_class_the_codec_does_not_know_stays_a_dict() -> None:
     assert loads('{"$":"os.system","command":"ls"}') == {"$": "os.system", "command": "ls"}
+
+
+def test_a_class_that_is_named_to_it_is_made_again() -> None:
+    corner = Corner("convex", 0.5, None, WallSegment(0.5, 0.01, 0.02))
+    text = dumps([corner])
+    assert decode(json.loads(text), Corner, WallSegment) == [corner]
+    assert loads(text)[0]["kind"] == "convex"
+
+
+def test_attributes_go_back_to_what_they_were() -> None:
+    one, other = PathIntegrator(EPUCK, Pose(1.0, 2.0, 3.0)), PathIntegrator(EPUCK)
+    reinstate(other, ("x", "_previous"), snapshot(one, ("x", "_previous")))
+    assert (other.x, other.y) == (1.0, 0.0)
