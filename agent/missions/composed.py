@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from ..errors import StepFailedError
 from ..listener import Outcome
-from .step import UNKNOWN, Body, Count, Form, Inner, Plan, Run, Script, Seconds, Step, Task, done, is_body
+from .forms import Count, Form, Seconds
+from .step import UNKNOWN, Body, Inner, Plan, Run, Script, Step, Task, done, is_body, limited
 
 if TYPE_CHECKING:
     from ...files.yaml_nodes import Entry
-    from .files import StepReader
 
 _SAMPLE = [0, 1, 2]
 """The nodes of a map that nobody knows yet."""
@@ -37,8 +37,9 @@ class _Composed(Step):
 
 @dataclass(frozen=True, slots=True, init=False)
 class _AtOnce(_Composed):
-    """Several bodies at once."""
+    """Several bodies at once. first_wins: whether a success ends it, or else a failure."""
 
+    first_wins: ClassVar[bool]
     bodies: Annotated[tuple[Body, ...], Form("at least one step", is_body)]
 
     def __init__(self, *bodies: Body) -> None:
@@ -46,14 +47,44 @@ class _AtOnce(_Composed):
         object.__setattr__(self, "bodies", bodies)
         self.__post_init__()
 
+    def begin(self, run: Run, path: str) -> Task:
+        """Begins all."""
+        running = {index: run.begin(body, f"{path}.{index + 1}") for index, body in enumerate(self.bodies)}
+        ended: dict[int, Outcome] = {}
+
+        def cancel() -> None:
+            rest = list(running.values())
+            running.clear()
+            for task in rest:
+                task.cancel()
+
+        def poll(time: float) -> Outcome | None:
+            for index, task in list(running.items()):
+                outcome = task.poll(time)
+                if outcome is None:
+                    continue
+                del running[index]
+                ended[index] = outcome
+                if outcome.succeeded is self.first_wins:
+                    cancel()
+                    return Outcome(True, (index, outcome.result)) if self.first_wins else outcome
+            return None if running else self._all(ended)
+
+        return Task(poll, cancel)
+
+    def _all(self, ended: dict[int, Outcome]) -> Outcome:
+        if self.first_wins:
+            return Outcome(False, reason="; ".join(each.reason for each in ended.values()))
+        return Outcome(True, [ended[index].result for index in sorted(ended)])
+
     def rehearse(self, plan: Plan, depth: int) -> Any:
         """All of them, one after the other."""
         return [plan.body(body, depth) for body in self.bodies]
 
     @classmethod
-    def read(cls, entry: Entry, reader: StepReader) -> Step:
+    def read(cls, entry: Entry, body: Callable[[Entry], Body]) -> Step:
         """From a list."""
-        bodies = reader.body(entry)
+        bodies = body(entry)
         return cls(*(bodies if isinstance(bodies, tuple) else (bodies,)))
 
 
@@ -64,11 +95,7 @@ class Race(_AtOnce):
     """
 
     __slots__ = ()
-    says, word = "race: the first that succeeds", "race"
-
-    def begin(self, run: Run, path: str) -> Task:
-        """Begins all."""
-        return _group(self, run, path, first_wins=True)
+    says, word, first_wins = "race: the first that succeeds", "race", True
 
     def rehearse(self, plan: Plan, depth: int) -> Any:
         """The first one wins."""
@@ -79,41 +106,7 @@ class Together(_AtOnce):
     """All at once, until all have succeeded. Result: their results. The first failure cancels the rest."""
 
     __slots__ = ()
-    says, word = "all at once", "together"
-
-    def begin(self, run: Run, path: str) -> Task:
-        """Begins all."""
-        return _group(self, run, path, first_wins=False)
-
-
-def _group(step: _AtOnce, run: Run, path: str, first_wins: bool) -> Task:
-    """The task of several bodies at once. first_wins: whether a success ends it, or else a failure."""
-    running = {index: run.begin(body, f"{path}.{index + 1}") for index, body in enumerate(step.bodies)}
-    ended: dict[int, Outcome] = {}
-
-    def cancel() -> None:
-        rest = list(running.values())
-        running.clear()
-        for task in rest:
-            task.cancel()
-
-    def poll(time: float) -> Outcome | None:
-        for index, task in list(running.items()):
-            outcome = task.poll(time)
-            if outcome is None:
-                continue
-            del running[index]
-            ended[index] = outcome
-            if outcome.succeeded is first_wins:
-                cancel()
-                return Outcome(True, (index, outcome.result)) if first_wins else outcome
-        if running:
-            return None
-        if first_wins:
-            return Outcome(False, reason="; ".join(each.reason for each in ended.values()))
-        return Outcome(True, [ended[index].result for index in sorted(ended)])
-
-    return Task(poll, cancel)
+    says, word, first_wins = "all at once", "together", False
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,16 +120,7 @@ class Within(_Composed):
     def begin(self, run: Run, path: str) -> Task:
         """Begins it, and its time."""
         end = run.agent.context.time + self.seconds
-        task = run.begin(self.body, f"{path}.1")
-
-        def poll(time: float) -> Outcome | None:
-            outcome = task.poll(time)
-            if outcome is None and time >= end:
-                task.cancel()
-                return Outcome(False, reason=f"not done within {self.seconds:g} s")
-            return outcome
-
-        return Task(poll, task.cancel)
+        return limited(run.begin(self.body, f"{path}.1"), end, f"not done within {self.seconds:g} s")
 
 
 @dataclass(frozen=True, slots=True)
@@ -253,20 +237,11 @@ class ForEachNode(_Composed):
         return UNKNOWN
 
     @classmethod
-    def read(cls, entry: Entry, reader: StepReader) -> Step:
+    def read(cls, entry: Entry, body: Callable[[Entry], Body]) -> Step:
         """From steps in which `$node` stands for the node's number."""
-        body = _NodeBody(entry, reader)
-        body(0)  # so that a fault is found now, not at the first node
-        return cls(body)
 
+        def steps(node: int) -> Body:
+            return body(entry.substituted("$node", str(node)))
 
-class _NodeBody:
-    """The steps for one node, as a file has them."""
-
-    __name__ = "steps"
-
-    def __init__(self, entry: Entry, reader: StepReader) -> None:
-        self._entry, self._reader = entry, reader
-
-    def __call__(self, node: int) -> Body:
-        return self._reader.body(self._entry.substituted("$node", str(node)))
+        steps(0)  # so that a fault is found now, not at the first node
+        return cls(steps)

@@ -6,17 +6,15 @@ import importlib.util
 import inspect
 import sys
 from collections.abc import Callable, Iterable
-from dataclasses import MISSING, fields
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
 
 from ...files.messages import unknown
 from ...files.reading import open_regular, read_text
 from ...files.yaml_nodes import MAX_BYTES, Entry, parse_yaml
 from ..containment import Watchdog, describe
 from ..errors import MissionError
-from .step import Body, Form, Script, Step, forms_of
+from .step import Body, Script, Step
 
 HANG = 10.0
 """Wall-clock seconds after which the reading of a mission's Python file is given up."""
@@ -53,14 +51,13 @@ def steps_in(path: Path, known: Iterable[type[Step]]) -> tuple[str, Body]:
         raise document.error("give `steps:`, a list such as `- go_to: 5`")
     keys = document.mapping(_KEYS, required=("steps",))
     name = keys["mission"].text() if "mission" in keys else path.stem
-    return name, StepReader(known).body(keys["steps"])
+    return name, _StepReader(known).body(keys["steps"])
 
 
-class StepReader:
+class _StepReader:
     """Makes steps of YAML values. All errors are MissionError and name file, line and key."""
 
     def __init__(self, known: Iterable[type[Step]]) -> None:
-        """known: the classes of steps, each with a `word` of its own."""
         self._known = {cls.word: cls for cls in known}
 
     def body(self, entry: Entry) -> Body:
@@ -84,34 +81,4 @@ class StepReader:
             return self.body(value)
         if word not in self._known:
             raise entry.error(unknown("step", word, sorted(self._known)))
-        return self._known[word].read(value, self)
-
-    def values(self, entry: Entry, cls: Any) -> dict[str, Any]:
-        """The values for the fields of a step of this class."""
-        yaml_names = {name: key for key, name in cls.keys.items()}
-        specs = {yaml_names.get(each.name, each.name): each for each in fields(cls)}
-        given: dict[str, Entry] = {}
-        if cls.single and not entry.is_mapping and not entry.is_nothing:
-            given = {cls.single: entry}
-        elif not entry.is_nothing:
-            given = entry.mapping(specs)
-        forms, values = forms_of(cls), {}
-        for key, spec in specs.items():
-            form, optional = forms.get(spec.name, (None, True))
-            if key in given:
-                values[spec.name] = self._value(given[key], form, optional)
-            elif form is not None and spec.default is spec.default_factory is MISSING:
-                raise entry.error(f"{key!r} is missing: give {form.says}")
-        return values
-
-    def _value(self, entry: Entry, form: Form | None, optional: bool) -> Any:
-        if optional and entry.is_nothing:
-            return None
-        if form is None:
-            return entry.data()
-        if form.steps:
-            return self.body(entry)
-        value = entry.data() if form.read is None else form.read(entry)
-        if not form.fits(value):
-            raise entry.error(f"give {form.says}, not {entry.found()}")
-        return value
+        return self._known[word].read(value, self.body)

@@ -6,22 +6,18 @@ that follow from its fields. A Python mission can yield it as it is; for YAML it
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields
-from functools import cache
-from numbers import Integral, Real
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol, TypeAlias, get_args, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol, TypeAlias
 
 from ...files.messages import quoted
 from ..errors import MissionError
 from ..listener import Outcome
+from .forms import Form, forms_of, values_of
 
 if TYPE_CHECKING:
     from ...files.yaml_nodes import Entry
     from ..agent import Agent
-    from .files import StepReader
-    from .steps import Explore
 
 MAX_DEPTH = 50
 """How many steps may be within one another."""
@@ -45,6 +41,19 @@ def done(result: Any = None) -> Task:
     return Task(lambda time: Outcome(True, result))
 
 
+def limited(task: Task, end: float, reason: str) -> Task:
+    """The task, which fails for this reason unless it has ended at the simulated time `end` (s)."""
+
+    def poll(time: float) -> Outcome | None:
+        outcome = task.poll(time)
+        if outcome is None and time >= end:
+            task.cancel()
+            return Outcome(False, reason=reason)
+        return outcome
+
+    return Task(poll, task.cancel)
+
+
 class Job(Protocol):
     """A drive under way, as a `Site` gives it: a mapping or a trip."""
 
@@ -59,8 +68,8 @@ class Job(Protocol):
 class Site(Protocol):
     """What a mission needs of the session it runs in: somebody who maps, navigates and keeps files."""
 
-    def explore(self, step: Explore) -> Job:
-        """Begins mapping."""
+    def explore(self, side: str, strategy: str, max_nodes: int | None, islands: bool) -> Job:
+        """Begins mapping. The fields are those of the step `Explore`."""
 
     def go_to(self, node: int | str) -> Job:
         """Begins a trip. Raises: LookupError or ValueError if there is no such node."""
@@ -103,19 +112,6 @@ class Run(Protocol):
 
     def on_robot(self, index: int) -> Run:
         """The same with another robot. Raises: LookupError if there is none."""
-
-
-@dataclass(frozen=True, slots=True)
-class Form:
-    """What a field of a step takes. says: in words. fits: whether a value is one.
-
-    read: makes it of a YAML value, where its plain data is not enough. steps: whether it takes steps.
-    """
-
-    says: str
-    fits: Callable[[Any], bool]
-    read: Callable[[Entry], Any] | None = None
-    steps: bool = False
 
 
 class Step:
@@ -162,9 +158,9 @@ class Step:
         return describe(self)
 
     @classmethod
-    def read(cls, entry: Entry, reader: StepReader) -> Step:
-        """The step that a YAML value describes. Raises: MissionError with file and line."""
-        values = reader.values(entry, cls)
+    def read(cls, entry: Entry, body: Callable[[Entry], Body]) -> Step:
+        """The step that a YAML value describes. body: makes the steps within it. Raises: MissionError."""
+        values = values_of(cls, entry, body)
         try:
             return cls(**values)
         except MissionError as fault:
@@ -197,48 +193,7 @@ def in_order(bodies: tuple[Any, ...]) -> Script:
     return result
 
 
-def _number(kind: Any, low: float) -> Callable[[Any], bool]:
-    def fits(value: Any) -> bool:
-        return isinstance(value, kind) and not isinstance(value, bool) and bool(low <= value < math.inf)
-
-    return fits
-
-
-def _a(*kinds: type) -> Callable[[Any], bool]:
-    return lambda value: isinstance(value, kinds)
-
-
-Seconds = Annotated[float, Form("a finite number of seconds, 0 or more", _number(Real, 0))]
-Count = Annotated[int, Form("a whole number, 0 or more", _number(Integral, 0))]
-Positive = Annotated[int, Form("a whole number, 1 or more", _number(Integral, 1))]
-_is_whole = _number(Integral, -math.inf)
-Node = Annotated[
-    int | str, Form("a node's number or name", lambda value: isinstance(value, str) or _is_whole(value))
-]
-File = Annotated[
-    str, Form("a file", lambda value: isinstance(value, str) and value != "" and "\0" not in value)
-]
-Name = Annotated[str, Form("a name", _a(str))]
-Text = Annotated[str, Form("a text", _a(str), lambda entry: entry.text())]
-Flag = Annotated[bool, Form("true or false", _a(bool))]
 Inner = Annotated[Body, Form("a step, a tuple of steps or a generator function", is_body, steps=True)]
-
-
-def one_of(*words: str) -> Form:
-    """The form of a field that takes one of these words."""
-    return Form(f"one of {', '.join(words)}", lambda value: isinstance(value, str) and value in words)
-
-
-@cache
-def forms_of(cls: type[Any]) -> dict[str, tuple[Form, bool]]:
-    """The fields of a step's class that have a form, each with whether it may be None."""
-    found = {}
-    for name, hint in get_type_hints(cls, include_extras=True).items():
-        for part in (hint, *get_args(hint)):
-            for form in getattr(part, "__metadata__", ()):
-                if isinstance(form, Form):
-                    found[name] = (form, type(None) in get_args(hint))
-    return found
 
 
 def describe(body: Any) -> str:

@@ -7,7 +7,7 @@ tuple of steps (one after the other), or a generator function.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -25,23 +25,8 @@ from .composed import Race as Race
 from .composed import Repeat as Repeat
 from .composed import Together as Together
 from .composed import Within as Within
-from .step import (
-    UNKNOWN,
-    File,
-    Flag,
-    Form,
-    Name,
-    Node,
-    Plan,
-    Positive,
-    Run,
-    Seconds,
-    Task,
-    Text,
-    describe,
-    done,
-    one_of,
-)
+from .forms import File, Flag, Form, Name, Node, Positive, Seconds, Text, one_of
+from .step import UNKNOWN, Plan, Run, Task, describe, done, limited
 from .step import Step as Step
 
 if TYPE_CHECKING:
@@ -65,7 +50,7 @@ class Explore(Step):
 
     def begin(self, run: Run, path: str) -> Task:
         """Begins mapping."""
-        job = run.site.explore(self)
+        job = run.site.explore(self.side, self.strategy, self.max_nodes, self.islands)
         return Task(lambda time: job.outcome, job.cancel) if self.wait else done()
 
     def rehearse(self, plan: Plan, depth: int) -> Any:
@@ -153,6 +138,39 @@ class Look(Step):
         return np.zeros((16, 16), dtype=np.float32)
 
 
+def _heard(
+    run: Run,
+    kinds: tuple[type[Event], ...],
+    ending: Callable[[Event], Outcome | None],
+    stop: Callable[[], None] = lambda: None,
+) -> Task:
+    """Ends with the first outcome that `ending` makes of an event of these types. stop: on `cancel`."""
+    outcomes: list[Outcome] = []
+
+    def hear(event: Event) -> None:
+        outcome = ending(event)
+        if outcome is not None:
+            outcomes.append(outcome)
+
+    subscriptions = [run.agent.bus.subscribe(kind, hear) for kind in kinds]
+
+    def release() -> None:
+        for subscription in subscriptions:
+            subscription.cancel()
+
+    def poll(time: float) -> Outcome | None:
+        if not outcomes:
+            return None
+        release()
+        return outcomes[0]
+
+    def cancel() -> None:
+        release()
+        stop()
+
+    return Task(poll, cancel)
+
+
 def _goal(entry: Entry) -> Any:
     """A goal by its fields, such as `{turn: 1}`; the behavior makes its `Goal` of them."""
     value = entry.data()
@@ -171,33 +189,17 @@ class Do(Step):
 
     def begin(self, run: Run, path: str) -> Task:
         """Starts the behavior."""
-        agent, heard = run.agent, list[Outcome]()
-        agent.start(self.behavior, self.goal)
+        run.agent.start(self.behavior, self.goal)
+        return _heard(
+            run, (BehaviorFinished, BehaviorFaulted), self._ending, lambda: run.agent.stop(self.behavior)
+        )
 
-        def finished(event: BehaviorFinished) -> None:
-            if event.behavior == self.behavior:
-                heard.append(Outcome(event.succeeded, event.result, event.reason))
-
-        def faulted(event: BehaviorFaulted) -> None:
-            if event.behavior == self.behavior:
-                heard.append(Outcome(False, reason=event.fault))
-
-        both = agent.bus.subscribe(BehaviorFinished, finished), agent.bus.subscribe(BehaviorFaulted, faulted)
-
-        def release() -> None:
-            for subscription in both:
-                subscription.cancel()
-
-        def poll(time: float) -> Outcome | None:
-            if heard:
-                release()
-            return heard[0] if heard else None
-
-        def cancel() -> None:
-            release()
-            agent.stop(self.behavior)
-
-        return Task(poll, cancel)
+    def _ending(self, event: Event) -> Outcome | None:
+        if isinstance(event, BehaviorFinished) and event.behavior == self.behavior:
+            return Outcome(event.succeeded, event.result, event.reason)
+        if isinstance(event, BehaviorFaulted) and event.behavior == self.behavior:
+            return Outcome(False, reason=event.fault)
+        return None
 
     def rehearse(self, plan: Plan, depth: int) -> Any:
         """Whether there is such a behavior."""
@@ -240,26 +242,15 @@ class Until(Step):
 
     def begin(self, run: Run, path: str) -> Task:
         """Begins to listen."""
-        end = None if self.timeout is None else run.agent.context.time + self.timeout
-        heard: list[Event] = []
+        task = _heard(run, (self.event,), self._fitting)
+        if self.timeout is None:
+            return task
+        end = run.agent.context.time + self.timeout
+        return limited(task, end, f"no {self.event.__name__} within {self.timeout:g} s")
 
-        def hear(event: Event) -> None:
-            if all(getattr(event, name) == value for name, value in self.where.items()):
-                heard.append(event)
-
-        subscription = run.agent.bus.subscribe(self.event, hear)
-
-        def poll(time: float) -> Outcome | None:
-            late = end is not None and time >= end
-            if heard or late:
-                subscription.cancel()
-            if heard:
-                return Outcome(True, heard[0])
-            return (
-                Outcome(False, reason=f"no {self.event.__name__} within {self.timeout:g} s") if late else None
-            )
-
-        return Task(poll, subscription.cancel)
+    def _fitting(self, event: Event) -> Outcome | None:
+        fits = all(getattr(event, name) == value for name, value in self.where.items())
+        return Outcome(True, event) if fits else None
 
 
 @dataclass(frozen=True, slots=True)

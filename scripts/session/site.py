@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 from ...agent import Agent
 from ...agent.errors import MissionError
 from ...agent.listener import Outcome
-from ...agent.missions.steps import Explore
 from ...agent.navigation.recovery import RecoveringNavigator
 from ...maps.hybrid_map import HybridMap
 from ...maps.storage.map_file import MapFile, read_truth
@@ -93,16 +92,16 @@ class RobotSite:
 
     # --- Site ------------------------------------------------------------------------------------------
 
-    def explore(self, step: Explore) -> _Job:
+    def explore(self, side: str, strategy: str, max_nodes: int | None, islands: bool) -> _Job:
         """Maps from where the robot stands, into a new map."""
         request = self.stage.request(
             MapRequest,
             world=self.stage.world.spec.name,
-            side=step.side,
+            side=side,
             global_only=self.request.global_only,
-            max_nodes=step.max_nodes,
-            strategy=step.strategy,
-            islands=step.islands,
+            max_nodes=max_nodes,
+            strategy=strategy,
+            islands=islands,
         )
         mapping = Mapping(self.stage, request, self.index)
         self._leave()

@@ -60,8 +60,8 @@ class FakeSite:
         self.jobs.append(FakeJob(ticks, outcome))
         return self.jobs[-1]
 
-    def explore(self, step: Explore) -> FakeJob:
-        self.log.append(f"explore {step.side}")
+    def explore(self, side: str, strategy: str, max_nodes: int | None, islands: bool) -> FakeJob:
+        self.log.append(f"explore {side}")
         return self._job(3, Outcome(True, "loop closed"))
 
     def go_to(self, node: int | str) -> FakeJob:

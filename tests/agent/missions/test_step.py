@@ -9,9 +9,10 @@ from tolman.agent import Agent
 from tolman.agent.errors import MissionError
 from tolman.agent.listener import Outcome
 from tolman.agent.missions.dry_run import dry_run
+from tolman.agent.missions.forms import Count
 from tolman.agent.missions.journal import Journal
 from tolman.agent.missions.mission import Mission, MissionRunner
-from tolman.agent.missions.step import Count, Plan, Run, Step, Task
+from tolman.agent.missions.step import Plan, Run, Step, Task
 from tolman.agent.missions.steps import STEPS, Repeat, Say
 from tolman.plugins.testing import ScriptedRobot, percept
 
