@@ -32,12 +32,15 @@ def test_a_new_plugin_is_written_listed_and_checked(
     assert json.loads(capsys.readouterr().out)["passed"] is True
 
 
-def test_a_plugin_to_mend_gives_status_1_and_what_to_mend(
+def test_a_plugin_to_fix_gives_status_1_and_what_to_fix(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     execute(["plugins", "new", "turn-back", "--folder", str(tmp_path)])
     path = tmp_path / "turn_back.py"
-    path.write_text(path.read_text().replace("WheelCommand(speed, speed)", "WheelCommand(speed, 1 / 0)"))
+    written = path.read_text()
+    broken = written.replace("WheelCommand(self.config.speed, self.config.speed)", "WheelCommand(1 / 0, 0.0)")
+    assert broken != written
+    path.write_text(broken)
     assert execute(["plugins", "check", str(path)]) == 1
     assert "FIX  sane proposals: ZeroDivisionError" in capsys.readouterr().out
 
