@@ -39,3 +39,17 @@ def test_the_pages_that_the_index_names_are_all_there_are() -> None:
     linked = {(ROOT / "docs" / target).resolve() for target in LINK.findall(index) if "://" not in target}
     pages = {page for page in (ROOT / "docs").glob("*.md") if page.name != "index.md"}
     assert pages <= linked, "docs/index.md leaves pages out"
+
+
+def test_the_places_that_the_architecture_names_exist() -> None:
+    text = (ROOT / "docs" / "architecture.md").read_text()
+    named = re.findall(r"`((?:files|world|maps|agent|behaviors|plugins|scripts|tools)/[\w/.]*)`", text)
+    assert len(named) > 40
+    assert [place for place in named if not (ROOT / place).exists()] == []
+
+
+def test_the_index_of_decisions_names_every_record() -> None:
+    folder = ROOT / "docs" / "decisions"
+    index = (folder / "index.md").read_text()
+    missing = [path.name for path in folder.glob("[0-9]*.md") if f"({path.name})" not in index]
+    assert missing == [], "add a line for each to docs/decisions/index.md"
