@@ -25,7 +25,7 @@ from .events import (
     MediatorFaulted,
 )
 from .handle import BehaviorHandle, Limits
-from .listener import Updated
+from .listener import Listener, Updated
 
 _log = logging.getLogger(__name__)
 _FAULTS = (Exception, SystemExit)
@@ -112,6 +112,21 @@ class Agent:
     def is_disabled(self, name: str) -> bool:
         """Whether it had so many faults that it cannot be started any more."""
         return self._faults.get(name, 0) >= self._max_faults
+
+    def states(self) -> dict[str, str]:
+        """The state of each active behavior and, as `parent/child`, of the behaviors that it drives by."""
+        found: dict[str, str] = {}
+        for port in self._active:
+            _add_states(found, port.name, port.behavior)
+        return found
+
+    def belief(self) -> dict[int, float]:
+        """Node -> probability, of what finds out where the robot is; empty where nothing does."""
+        found: dict[int, float] = {}
+        for listener in self._listeners:
+            if isinstance(listener, Listener):
+                found.update(listener.belief())
+        return found
 
     def start(self, name: str, goal: Any = None) -> None:
         """Resets the behavior, gives it the goal and lets it take part from the next tick on.
@@ -319,6 +334,13 @@ class Agent:
         except KeyError:
             known = ", ".join(sorted(self._ports)) or "none"
             raise UnknownBehaviorError(f"unknown behavior {name!r}; known: {known}") from None
+
+
+def _add_states(found: dict[str, str], path: str, behavior: Behavior) -> None:
+    found[path] = state_name(behavior)
+    for role in type(behavior).children:
+        child: Behavior = getattr(behavior, role)
+        _add_states(found, f"{path}/{child.name}", child)
 
 
 def run(agent: Agent, step: Callable[[], None], until: Callable[[], bool], max_ticks: int) -> bool:

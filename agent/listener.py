@@ -122,6 +122,10 @@ class Listener:
         """Why it ended; empty before."""
         return "" if self._outcome is None else self._outcome.reason
 
+    def belief(self) -> Mapping[int, float]:
+        """Node -> probability that the robot is there, while it finds out where it is; to be looked at."""
+        return {}
+
     def state(self) -> dict[str, Any]:
         """Nothing to keep, unless overridden."""
         return {}

@@ -9,7 +9,7 @@ only when that one alone explains what was met; in a room that looks the same fr
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from typing import TYPE_CHECKING, Any
 
 from ...world.robot import wrap_angle
@@ -72,6 +72,16 @@ class Localizer(Listener):
     def length(self) -> float:
         """Meters of boundary followed, all in all."""
         return self._before + self.filter.length
+
+    def belief(self) -> Mapping[int, float]:
+        """Node -> probability that the robot was there at its last corner."""
+        ranking = self.filter.ranking
+        if self.done or not ranking:
+            return {}
+        best = ranking[0][0]
+        weights = {node: math.exp(score - best) for score, node in ranking}
+        total = sum(weights.values())
+        return {node: weight / total for node, weight in weights.items()}
 
     def start(self) -> None:
         """Looks for a wall and follows it."""

@@ -30,7 +30,11 @@ _FRAME = 9
 
 @dataclass(slots=True)
 class RecordedTick:
-    """All that was kept of one tick, as it stands in the file."""
+    """All that was kept of one tick, as it stands in the file.
+
+    pose: where the agent believed to be, m, rad. states: of the active behaviors; belief: node ->
+    probability; both None where they are as in the tick before.
+    """
 
     percept: Percept
     images: list[Image] = field(default_factory=list)
@@ -39,6 +43,9 @@ class RecordedTick:
     driver: str | None = None
     events: list[str] = field(default_factory=list)
     truth: Pose | None = None
+    pose: Pose | None = None
+    states: dict[str, str] | None = None
+    belief: dict[int, float] | None = None
 
 
 @dataclass(slots=True)
@@ -284,10 +291,20 @@ def _truth(tick: RecordedTick, value: Mapping[str, Any]) -> None:
     tick.truth = Pose(float(value["x"]), float(value["y"]), float(value["heading"]))
 
 
+def _agent(tick: RecordedTick, value: Mapping[str, Any]) -> None:
+    x, y, heading = value["pose"]
+    tick.pose = Pose(float(x), float(y), float(heading))
+    if "states" in value:
+        tick.states = {str(name): str(state) for name, state in value["states"].items()}
+    if "belief" in value:
+        tick.belief = {int(node): float(weight) for node, weight in value["belief"].items()}
+
+
 _FILL: dict[str, Callable[[RecordedTick, Mapping[str, Any]], None]] = {
     "/image": _image,
     "/proposals": _proposals,
     "/command": _command,
     "/event": _event,
     "/truth": _truth,
+    "/agent": _agent,
 }

@@ -1,7 +1,8 @@
 """Keeps a run in an MCAP file: percepts, images, proposals, commands, events, truth.
 
-Topics: /percept, /image, /proposals, /command, /event, /truth, one JSON object a message, stamped with the
-simulated time; the run's header is the metadata record `tolman`. docs/recordings.md describes the fields.
+Topics: /percept, /image, /proposals, /command, /event, /truth, /agent, one JSON object a message, stamped
+with the simulated time; the run's header is the metadata record `tolman`. docs/recordings.md describes
+the fields.
 """
 
 from __future__ import annotations
@@ -50,6 +51,7 @@ _FIELDS: dict[str, dict[str, str]] = {
     "/command": {"tick": "integer", "left": "number", "right": "number", "driver": "string"},
     "/event": {"tick": "integer", "event": "object"},
     "/truth": {"tick": "integer", "x": "number", "y": "number", "heading": "number"},
+    "/agent": {"tick": "integer", "pose": "array", "states": "object", "belief": "object"},
 }
 _log = logging.getLogger(__name__)
 Truth = Callable[[], Pose]
@@ -69,6 +71,8 @@ class RecordedRobot:
         self._put_text, self._agent, self._robot, self._truth = put, agent, agent.robot, truth
         self._prefix = prefix
         self._tick = -1
+        self._states: dict[str, str] = {}
+        self._belief: dict[int, float] = {}
         agent.robot = self
         self._subscription = agent.bus.subscribe(Event, self._hear)
 
@@ -103,6 +107,19 @@ class RecordedRobot:
         if self._truth is not None:
             pose = self._truth()
             self._put("/truth", {"x": pose.x, "y": pose.y, "heading": pose.heading})
+        self._put("/agent", self._inside())
+
+    def _inside(self) -> dict[str, Any]:
+        """Where the agent believes to be; states of behaviors and belief over nodes if they have changed."""
+        pose = self._agent.odometry.pose
+        inside: dict[str, Any] = {"pose": [round(pose.x, 5), round(pose.y, 5), round(pose.heading, 5)]}
+        states, belief = self._agent.states(), self._agent.belief()
+        if states != self._states:
+            inside["states"] = self._states = states
+        if belief != self._belief:
+            self._belief = belief
+            inside["belief"] = {str(node): round(weight, 4) for node, weight in belief.items()}
+        return inside
 
     def release(self) -> None:
         """Keeps no more; the agent gets its robot back."""

@@ -31,6 +31,7 @@ COMMANDS = {
     "run": ("run:COMMAND", "run a mission, or show what it would do"),
     "replay": ("replay:COMMAND", "re-run a recorded session and report the first difference"),
     "explain": ("replay:EXPLAIN", "read a recorded session as a timeline: who drove, and why"),
+    "report": ("report:COMMAND", "a run or a map as one page to look at, offline"),
     "plugins": ("plugins:COMMAND", "list, check, write and draw behaviors"),
     "experiment": ("experiment:COMMAND", "measure it against the published figures"),
 }

@@ -20,9 +20,11 @@ from ...agent.recording.reader import Recording
 from ...agent.recording.recorder import Recorder
 from ...files.messages import FileError, printable, quoted
 from ...files.reading import read_bytes
+from ...plugins.description import described
 from ..errors import SessionError
 
 if TYPE_CHECKING:
+    from ...world import WorldSpec
     from .requests import RunSettings
     from .stage import Stage
 
@@ -58,9 +60,11 @@ def recorded(
         "seed": request.seed,
         "world": world.spec.name,
         "world_digest": world.spec.digest,
+        "walls": outlines(world.spec),
         "robots": len(world.robots),
         "geometry": stage.agent.robot.geometry.name,
         "version": version("tolman"),
+        "behaviors": [described(behavior) for behavior in stage.agent.behaviors.values()],
         "code": code_of(request.plugins),
     }
     truths = [partial(world.true_pose, index) for index in range(len(agents))]
@@ -71,6 +75,11 @@ def recorded(
         yield
     finally:
         recorder.close()
+
+
+def outlines(spec: WorldSpec) -> list[list[list[float]]]:
+    """Outlines (m) of all that stands in a world, rounded to 0.1 mm: for people to look at."""
+    return [[[round(x, 4), round(y, 4)] for x, y in shape.outline()] for shape in spec.shapes]
 
 
 def plain_request(request: RunSettings) -> dict[str, Any]:
