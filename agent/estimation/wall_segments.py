@@ -37,13 +37,16 @@ class _Passed:
 
 
 class WallSegmentMeter:
-    """Follows what the wall follower tells from corner to corner. mismatch: what is known of the wheels."""
+    """Follows what the wall follower tells from corner to corner.
+
+    mismatch: what is known of the wheels. wall: the one met last, to be set when one is met.
+    """
 
     def __init__(self, odometry: PathIntegrator, track: float, learn: bool = True) -> None:
         """track: m, between the wheels. learn: whether straight walls teach the wheels' mismatch."""
         self.mismatch = MismatchEstimate()
         self._odometry, self._track, self._learn = odometry, track, learn
-        self._wall: WallMet | None = None
+        self.wall: WallMet | None = None
         self._left: Pose | None = None
         self._passed = _Passed()
 
@@ -56,15 +59,6 @@ class WallSegmentMeter:
         """Standard deviation (m, along the wall) of a place found again by odometry alone after `loop` m."""
         return self.mismatch.turn_deviation(self._track, loop) * loop / math.tau
 
-    @property
-    def wall(self) -> WallMet | None:
-        """The wall that was met last."""
-        return self._wall
-
-    def met(self, event: WallMet | None) -> None:
-        """Takes the direction in which a wall begins."""
-        self._wall = event
-
     def leave(self) -> None:
         """The robot stands where the next way begins."""
         self._left = self._odometry.pose
@@ -74,7 +68,7 @@ class WallSegmentMeter:
 
         None if it is no bend after all.
         """
-        swing = 0.0 if self._wall is None else wrap_angle(event.heading - self._wall.heading)
+        swing = 0.0 if self.wall is None else wrap_angle(event.heading - self.wall.heading)
         event = replace(event, path_length=event.path_length + self._passed.length)
         swing += self._passed.swing
         if event.kind == BEND and self.mismatch.explains(self._track, swing, event.path_length):
@@ -93,17 +87,17 @@ class WallSegmentMeter:
         before = self.mismatch.value
         self.mismatch.straight(self._track, turned, driven)
         self.mismatch.apply(self._odometry)
-        if self._wall is not None:
+        if self.wall is not None:
             # Measured before the drive, and with other wheels.
             learned = (self.mismatch.value - before) * passed / self._track
-            self._wall = replace(self._wall, heading=wrap_angle(self._wall.heading + turned - learned))
+            self.wall = replace(self.wall, heading=wrap_angle(self.wall.heading + turned - learned))
         self._left = None
 
     def _way(self, event: CornerReached, swing: float) -> WallSegment | None:
-        if self._wall is None:
+        if self.wall is None:
             return None
         if self._left is not None:
-            begin = Pose(self._left.x, self._left.y, self._wall.heading - self._passed.swing)
+            begin = Pose(self._left.x, self._left.y, self.wall.heading - self._passed.swing)
             end = begin.relative(self._odometry.pose)
             if not self._is_straight(event, swing, math.hypot(end.x, end.y)):
                 return WallSegment(end.x, end.y, swing)
@@ -119,7 +113,7 @@ class WallSegmentMeter:
         """Meters of this wall after which its direction was known."""
         if self._passed.settled is not None:
             return self._passed.settled
-        return self._wall.path_length if self._wall is not None else 0.0
+        return self.wall.path_length if self.wall is not None else 0.0
 
     def _is_straight(self, event: CornerReached, swing: float, chord: float) -> bool:
         """Whether the wall just followed was, as far as the wheels can be trusted. chord: m, end to end."""

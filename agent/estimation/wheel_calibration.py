@@ -80,16 +80,10 @@ def is_even(event: CornerReached) -> bool:
 class MismatchLearner(Listener):
     """Learns the wheels' mismatch from every straight wall that is followed, and has odometry use it."""
 
-    def __init__(
-        self,
-        host: Host,
-        odometry: PathIntegrator,
-        track: float,
-        estimate: MismatchEstimate | None = None,
-    ) -> None:
-        """Hears what the wall follower tells of walls. track: m. estimate: None: begins at odometry's."""
+    def __init__(self, host: Host, odometry: PathIntegrator, track: float) -> None:
+        """Hears what the wall follower tells of walls; begins at odometry's estimate. track: m."""
         super().__init__(host)
-        self.estimate = estimate if estimate is not None else MismatchEstimate.of(odometry)
+        self.estimate = MismatchEstimate.of(odometry)
         self._odometry, self._track = odometry, track
         self._wall: WallMet | None = None
         self.listen(WallMet, self._on_wall)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from ...maps.errors import NoPathError
 from ...world.robot import wrap_angle
@@ -110,25 +110,30 @@ def best_link(
             for source in sources:
                 if source == target or not known[source].nodes:
                     continue
-                for link in _links(known, source, target, middle, across, free):
-                    if (link.start, link.end) in failed:
+                for leaving in _leavings(known[source], middle, across, free):
+                    link = _link(known, known[source], leaving, target)
+                    if link is None or (link.start, link.end) in failed:
                         continue
                     if best is None or link.risk < best.risk - 1e-9:
                         best = link
     return best
 
 
-def _links(
-    known: Sequence[Outline],
-    source: int,
-    target: int,
-    middle: tuple[float, float],
-    across: float,
-    free: float,
-) -> list[Link]:
-    """Crossings from an outline toward a point of another: off its walls, straight from convex corners."""
-    outline = known[source]
-    found = []
+class _Leaving(NamedTuple):
+    """Where a way leaves an outline: `offset` m along an edge, at `place` (m), by a `heading` (rad).
+
+    along: direction (rad) from which it turns there.
+    """
+
+    edge: int
+    offset: float
+    place: Point
+    heading: float
+    along: float
+
+
+def _leavings(outline: Outline, middle: Point, across: float, free: float) -> Iterator[_Leaving]:
+    """Ways from an outline toward a point of another: off its walls, straight from convex corners."""
     for edge in range(len(outline.points)):
         low, high = outline.leave_range(edge)
         (x, y), along = outline.edge(edge)[0], outline.direction(edge)
@@ -142,26 +147,17 @@ def _links(
             offset = beside - beyond / math.tan(heading - along)
             offset = max(low, min(high, offset))
             place = (x + offset * math.cos(along), y + offset * math.sin(along))
-            found.append(_link(known, source, target, edge, offset, place, heading, along))
+            yield _Leaving(edge, offset, place, heading, along)
         entry = outline.direction(edge - 1)
         if outline.corners[edge] == "convex":
             heading = math.atan2(middle[1] - y, middle[0] - x)
             aside = wrap_angle(heading - entry) * math.copysign(1.0, free)
             if -0.8 < aside < 1.0:
-                found.append(_link(known, source, target, edge, 0.0, (x, y), heading, entry))
-    return [link for link in found if link is not None]
+                yield _Leaving(edge, 0.0, (x, y), heading, entry)
 
 
-def _link(
-    known: Sequence[Outline],
-    source: int,
-    target: int,
-    edge: int,
-    offset: float,
-    place: Point,
-    heading: float,
-    along: float,
-) -> Link | None:
+def _link(known: Sequence[Outline], source: Outline, leaving: _Leaving, target: int) -> Link | None:
+    edge, offset, place, heading, along = leaving
     hit = first_hit(known, *place, heading)
     if hit is None or hit[1].outline != target or not known[target].nodes:
         return None
@@ -174,7 +170,7 @@ def _link(
     end = met.nodes[(mark.edge + 1) % len(met.nodes)]
     crossing = Crossing(offset, wrap_angle(heading - along), distance, wall, length - mark.along)
     risk = distance + 20.0 * lack + 0.3 * slant + (0.1 if offset == 0.0 else 0.0)
-    return Link(known[source].nodes[edge], end, crossing, risk)
+    return Link(source.nodes[edge], end, crossing, risk)
 
 
 def take_back(hybrid_map: HybridMap, nodes: Iterable[int]) -> tuple[list[int], list[ArcKey]]:

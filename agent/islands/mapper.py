@@ -88,7 +88,7 @@ class IslandMapper(Listener):
         self._survey = Survey(agent, hybrid_map, sink, config, self._anchor, self._known, self._on_recognized)
         self._navigator: Navigator | None = None
         self._drive = CrossingDrive(agent, self.side, self._on_crossed, self._on_landed)
-        self._scouting: Scouting | None = None
+        self._scouting = Scouting(Sweep(0.0, ()), scouting)  # nothing is enclosed yet
         self._node = -1
         self._chord: Chord | None = None
         self._turned = 0.0
@@ -152,9 +152,8 @@ class IslandMapper(Listener):
         """Goes back to a `state`."""
         reinstate(self, _KEPT, state, Doing)
         self._survey.restore(state["survey"], self._doing is Doing.BOUNDARY, self._doing is Doing.ISLAND)
-        if state["scouting"] is not None:
-            scouting = decode(state["scouting"], Scouting, ScoutConfig, Sweep, Outline)
-            self._scouting = replace(scouting, config=self.config)
+        scouting = decode(state["scouting"], Scouting, ScoutConfig, Sweep, Outline)
+        self._scouting = replace(scouting, config=self.config)
         self._anchor.restore(state["anchor"])
         self.agent.bus.corners = int(state["heard"])
 
@@ -188,7 +187,6 @@ class IslandMapper(Listener):
         self._choose()
 
     def _choose(self) -> None:
-        assert self._scouting is not None
         self._chord = self._scouting.next(self.map, self._node)
         if self._chord is not None:
             self._doing = Doing.GOING
@@ -227,7 +225,6 @@ class IslandMapper(Listener):
         self._drive.cross(0.4 * math.pi * away_from(self.side), _FARTHEST)
 
     def _known(self) -> list[Outline]:
-        assert self._scouting is not None
         return self._scouting.all(self.map)
 
     def _navigator_at(self, node: int) -> Navigator:
@@ -245,7 +242,7 @@ class IslandMapper(Listener):
         if self._doing is Doing.PROVING:
             self._learn_crossings()
             self._rest(event.node)
-        elif self._doing is Doing.GOING and self._chord is not None and self._scouting is not None:
+        elif self._doing is Doing.GOING and self._chord is not None:
             self._learn_crossings()
             self._doing = Doing.CROSSING
             self.forays += 1
@@ -262,7 +259,6 @@ class IslandMapper(Listener):
 
     def _on_landed(self, distance: float) -> None:
         """A wall is met, and being joined: known, or an island."""
-        assert self._scouting is not None
         hit = self.agent.odometry.pose
         self._turned = 0.0
         if self._chord is not None:
@@ -272,7 +268,7 @@ class IslandMapper(Listener):
             self._begin_island()
 
     def _on_passed(self, event: NodePassed) -> None:
-        if self._scouting is not None:
+        if self._doing is not Doing.BOUNDARY:
             self._anchor.fix(self._known(), event.node)
 
     def _on_crossed(self, outcome: Outcome) -> None:
@@ -321,7 +317,6 @@ class IslandMapper(Listener):
 
     def _give_up_island(self) -> None:
         """It cannot be mapped: remembered as something in the way; away from it, straight."""
-        assert self._scouting is not None
         assert self._survey.candidate is not None
         self._finding = False
         blind = self._survey.candidate.outline

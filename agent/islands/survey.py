@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ...maps.boundary.layout import PLACE
 from ..boundary.trace import BEND
 from ..codec import decode, encode
+from ..estimation.wheel_calibration import MismatchEstimate
 from ..mapping.corners import Mapper, MappingConfig
 from .candidate import ROUND, Candidate
 from .links import is_same, take_back
@@ -56,7 +57,7 @@ class Survey:
         self._sink, self._anchor, self._known, self._on_known = sink, anchor, known, on_known
         self.candidate: Candidate | None = None
         self.mapper = Mapper(agent, hybrid_map, self, config, self._take_corner)
-        self.mismatch = self.mapper.mismatch
+        self.mismatch = self.mapper.meter.mismatch
         self._gone: tuple[list[int], list[ArcKey]] = ([], [])
 
     def begin(self) -> None:
@@ -70,7 +71,7 @@ class Survey:
         """Takes a tick along the obstacle: whether it cannot be mapped, as it is round or never closes."""
         assert self.candidate is not None
         self.candidate.follow(context.pose, context.turn)
-        bends = all(corner.kind == BEND for corner in self.mapper.trace.corners)
+        bends = all(corner.kind == BEND for corner in self.mapper.loop.trace.corners)
         is_round = bends and abs(self.candidate.turned) > ROUND
         return is_round or (self.mapper.done and self.mapper.reason != "loop closed")
 
@@ -80,7 +81,7 @@ class Survey:
         assert candidate is not None
         assert candidate.place is not None
         if closed != candidate.first:  # corners before that were none: a crossing had met an edge of it
-            at = self.mapper.trace.poses()[self.mapper.index(closed)]
+            at = self.mapper.loop.trace.poses()[self.mapper.index(closed)]
             at = candidate.place.compose(at.x, at.y)
             self.map.annotate(closed, **{PLACE: [at.x, at.y]})
             self._take_back(node for node in self.mapper.nodes if node < closed)
@@ -133,7 +134,7 @@ class Survey:
                 self.drop()
                 self._on_known(node)
                 return True
-        if not self.mapper.trace.corners and candidate.place is None:
+        if not self.mapper.loop.trace.corners and candidate.place is None:
             candidate.place = corner
             self.mapper.heading = event.heading
         return False
@@ -161,7 +162,7 @@ class Survey:
         """What a resumed mapping needs, as JSON. mapping: whether a boundary is being mapped now."""
         return {
             "mapper": self.mapper.state() if mapping else None,
-            "mismatch": [self.mismatch.value, self.mismatch.variance],
+            "mismatch": encode(self.mismatch),
             "heading": self.mapper.heading,
             "candidate": encode(self.candidate),
         }
@@ -175,6 +176,6 @@ class Survey:
             self.candidate = decode(state["candidate"], Candidate)
         if state["mapper"] is not None:
             self.mapper.restore(state["mapper"])
-        self.mismatch.value, self.mismatch.variance = state["mismatch"]
+        self.mismatch = self.mapper.meter.mismatch = decode(state["mismatch"], MismatchEstimate)
         self.mismatch.apply(self.agent.odometry)
         self.mapper.heading = state["heading"]

@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any
 
 from ...world.robot import wrap_angle
 from ..boundary.loop_closing import CornerObservation, Finding, LoopDetector
-from ..boundary.trace import BEND, BoundaryTrace, ClosingConfig
-from ..codec import decode, encode
+from ..boundary.trace import BEND, ClosingConfig
+from ..codec import reinstate, snapshot
 from ..estimation.wall_segments import WallSegmentMeter
+from ..estimation.wheel_calibration import MismatchEstimate
 from ..events import BehaviorFinished, CornerReached, LoopClosed, WallMet
 from ..goals import START_AT, ExploreLocally, Follow, FollowFrom, ReacquireCorner
 from ..walls import WALL_DISTANCE, away_from, walls_at
@@ -26,13 +27,13 @@ from .probing import LEAST_PROBE, WallProbe
 if TYPE_CHECKING:
     from ...maps.hybrid_map import HybridMap
     from ..agent import Agent
-    from ..estimation.wheel_calibration import MismatchEstimate
     from ..listener import Outcome
 
 _NAMED = {"concave": "concave", "convex": "convex", BEND: "none"}
 """What the map calls a node's corner."""
 _ROUNDS_OF_BENDS = 1.8
 """Rounds after which a boundary without a corner is given up."""
+_KEPT = ("wall", "mismatch")
 
 
 class Phase(Enum):
@@ -108,16 +109,6 @@ class Mapper(BaseMapper):
             self._go_on()
 
     @property
-    def trace(self) -> BoundaryTrace:
-        """The boundary that is being followed."""
-        return self.loop.trace
-
-    @property
-    def mismatch(self) -> MismatchEstimate:
-        """What is known of the wheels."""
-        return self.meter.mismatch
-
-    @property
     def listening(self) -> bool:
         """Whether a corner met now is taken for one of the boundary."""
         return not self.done and self.phase in (Phase.FOLLOW, Phase.CONFIRM)
@@ -149,27 +140,25 @@ class Mapper(BaseMapper):
         return {
             **super().state(),
             **self.loop.state(),
-            "wall": encode(self.meter.wall),
-            "mismatch": [self.mismatch.value, self.mismatch.variance],
+            **snapshot(self.meter, _KEPT),
         }
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Goes back to a `state`."""
         super().restore(state)
         self.loop.restore(state)
-        self.meter.met(decode(state["wall"]))
-        self.mismatch.value, self.mismatch.variance = state["mismatch"]
-        self.mismatch.apply(self.agent.odometry)
+        reinstate(self.meter, _KEPT, state, MismatchEstimate)
+        self.meter.mismatch.apply(self.agent.odometry)
 
     # --- events --------------------------------------------------------------------------------------
 
     def _on_wall(self, event: WallMet) -> None:
-        self.meter.met(event)
+        self.meter.wall = event
         if self.listening and self._corner is not None:
             turn = wrap_angle(event.heading - self._corner.heading)
             self._corner = None
-            self.trace.turned(turn)
-            node = self.loop.node_of.get(len(self.trace.corners) - 1)
+            self.loop.trace.turned(turn)
+            node = self.loop.node_of.get(len(self.loop.trace.corners) - 1)
             if node is not None:
                 self.map.graph.nodes[node]["turn"] = turn
 
@@ -190,7 +179,7 @@ class Mapper(BaseMapper):
             return
         event, way = arrived
         self._corner = event
-        length = sum(corner.length for corner in self.trace.corners)
+        length = sum(corner.length for corner in self.loop.trace.corners)
         bends = self.meter.place_deviation(length) <= self.config.bend_gate
         judgement = self.loop.reach(event, way, bends)
         self._admit(judgement.rejected)
@@ -202,7 +191,7 @@ class Mapper(BaseMapper):
                 # Nodes were committed: a resumed run begins again here, and so does this one.
                 self.agent.stop("wall-following")
                 self._go_on()
-        elif self._rounds() > _ROUNDS_OF_BENDS and all(each.kind == BEND for each in self.trace.corners):
+        elif self._rounds() > _ROUNDS_OF_BENDS and all(each.kind == BEND for each in self.loop.trace.corners):
             self._end(
                 False,
                 "ambiguous: no corner on this boundary, and nothing tells one of its bends from another",
@@ -210,12 +199,12 @@ class Mapper(BaseMapper):
         elif self._rounds() > self.config.most_rounds:
             self._end(False, f"{self.config.most_rounds:.0f} rounds without recognizing a corner")
         else:
-            self._add_node(len(self.trace.corners) - 1, event)
+            self._add_node(len(self.loop.trace.corners) - 1, event)
             self._explore()
 
     def _rounds(self) -> float:
         """How often the boundary has turned right round since the first corner."""
-        poses = self.trace.poses()
+        poses = self.loop.trace.poses()
         return abs(poses[-1].heading - poses[0].heading) / math.tau
 
     def _on_finished(self, event: BehaviorFinished) -> None:
@@ -236,8 +225,8 @@ class Mapper(BaseMapper):
 
     def _add_node(self, index: int, event: CornerReached) -> None:
         """Adds the node of a corner of the trace, and the arcs that join it to the one before."""
-        heading = wrap_angle(self.heading + self.trace.poses()[index].heading)
-        turn = self.trace.corners[index].turn or 0.0
+        heading = wrap_angle(self.heading + self.loop.trace.poses()[index].heading)
+        turn = self.loop.trace.corners[index].turn or 0.0
         previous = self._create(event, corner=_NAMED[event.kind], entry_heading=heading, turn=turn)
         self.loop.node_of[index] = self.current
         if previous >= 0:
@@ -268,7 +257,7 @@ class Mapper(BaseMapper):
         assert self._corner is not None
         distance = self.config.wall_distance
         bend = self._corner.kind == BEND
-        square = not bend and (self.trace.is_right_angled or len(self.trace.corners) < 3)
+        square = not bend and (self.loop.trace.is_right_angled or len(self.loop.trace.corners) < 3)
         walls = walls_at(self.config.side, self._corner.kind, square=square, distance=distance)
         heading = wrap_angle(self.agent.odometry.heading - self._corner.heading)
         edge = (-distance, -distance * away_from(self.config.side))
@@ -282,8 +271,8 @@ class Mapper(BaseMapper):
             self._commit()
             return
         self.phase = Phase.RETURN
-        length = self.trace.corners[-1].length or self._corner.path_length
-        if len(self.trace.corners) > 1 and self.trace.corners[-2].kind == "convex":
+        length = self.loop.trace.corners[-1].length or self._corner.path_length
+        if len(self.loop.trace.corners) > 1 and self.loop.trace.corners[-2].kind == "convex":
             # The wall begins only that much after the node before, and its end is seen blurred.
             length -= self.config.wall_distance + 0.015
         self.agent.start("position-correction", ReacquireCorner(self.config.side, self._corner.kind, length))

@@ -95,11 +95,6 @@ class MissionRunner(Listener):
         self._root = Thread(mission.body, "", Runtime(agent, site, journal, self._hear))
 
     @property
-    def ended(self) -> bool:
-        """Whether nothing more will happen."""
-        return self.status is not Status.RUNNING
-
-    @property
     def doing(self) -> str:
         """The step under way, in words."""
         return self._root.doing
@@ -117,7 +112,7 @@ class MissionRunner(Listener):
 
     def stop(self, reason: str = "cancelled") -> None:
         """Ends the mission now: stops what its steps started, runs its `finally` blocks."""
-        if not self.ended:
+        if not self.done:
             self._root.cancel()
             self.status = Status.CANCELLED
             self.finish(False, reason=reason)

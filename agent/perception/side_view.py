@@ -13,15 +13,14 @@ from ..walls import away_from
 
 _RIGHT = (0, 7, 1, 2, 3)
 _LEFT = (7, 0, 6, 5, 4)
-_GATE = 16.0
-_RECEDING = 6.0
+_GATE, _RECEDING = 16.0, 6.0
+"""Squared standard deviations beyond which a measured line is refused; of one that recedes."""
 _IN_FRONT = 0.008
 """Meters by which the diagonal sensor must hit something nearer than the wall at the side."""
 _LEAST_TURN, _MOST_TURN = math.radians(17.0), math.radians(75.0)
 """Turns (rad) at a slanted wall ahead: less is a bend; more, and both front sensors see it."""
 _SPACING, _SPAN = 0.01, 10
 """Meters between two directions kept of a wall, and over how many of them it counts as bending."""
-"""Squared standard deviations beyond which a measured line is refused."""
 
 
 class SideView:
@@ -30,19 +29,6 @@ class SideView:
     near, far: the front sensors on the wall's side and on the other. sign: +1 right, -1 left; multiply a
     mirrored turn by it to get a counter-clockwise one.
     """
-
-    __slots__ = (
-        "_angles",
-        "_index",
-        "_radius",
-        "diagonal",
-        "far",
-        "geometry",
-        "near",
-        "rear",
-        "side",
-        "sign",
-    )
 
     def __init__(self, geometry: RobotGeometry, side: str) -> None:
         """side: "right" or "left"."""

@@ -70,16 +70,12 @@ class RecordedRobot:
         """put: takes topic, text and simulated time (s). prefix: of the topics, for further robots."""
         self._put_text, self._agent, self._robot, self._truth = put, agent, agent.robot, truth
         self._prefix = prefix
+        self.geometry: RobotGeometry = agent.robot.geometry
         self._tick = -1
         self._states: dict[str, str] = {}
         self._belief: dict[int, float] = {}
         agent.robot = self
         self._subscription = agent.bus.subscribe(Event, self._hear)
-
-    @property
-    def geometry(self) -> RobotGeometry:
-        """The robot's."""
-        return self._robot.geometry
 
     def sense(self) -> Percept:
         """The robot's percept, kept once a tick."""

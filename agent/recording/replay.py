@@ -62,7 +62,7 @@ class ReplayRobot:
             raise RecordingError(f"the recorded robot is a {name!r}; known: {', '.join(_GEOMETRIES)}")
         if not recording.ticks:
             raise RecordingError("the recording has no ticks")
-        self._geometry = _GEOMETRIES[name]
+        self.geometry: RobotGeometry = _GEOMETRIES[name]
         self._ticks = recording.ticks if index == 0 else recording.others[index - 1]
         self._acted = False
         self._agent: Agent | None = None
@@ -75,11 +75,6 @@ class ReplayRobot:
         """Compares this agent from now on; called once, before its first tick."""
         self._agent = agent
         agent.bus.subscribe(Event, lambda event: self._events.append(dumps(event)))
-
-    @property
-    def geometry(self) -> RobotGeometry:
-        """The recorded robot's."""
-        return self._geometry
 
     @property
     def recorded(self) -> RecordedTick:

@@ -87,7 +87,7 @@ class MissionJob:
 
     def watch(self) -> bool:
         """Whether it is over."""
-        return self.runner.ended
+        return self.runner.done
 
     def cancel(self, reason: str = "cancelled") -> None:
         """Ends it now: stops what its steps started, runs its `finally` blocks."""

@@ -90,7 +90,7 @@ def meter(left: Pose = ORIGIN) -> tuple[WallSegmentMeter, PathIntegrator]:
     odometry = PathIntegrator(EPUCK, left)
     measure = WallSegmentMeter(odometry, TRACK)
     measure.leave()
-    measure.met(WallMet(time=0.0, side="right", heading=left.heading))
+    measure.wall = WallMet(time=0.0, side="right", heading=left.heading)
     return measure, odometry
 
 
@@ -119,7 +119,7 @@ def test_a_bend_that_the_wheels_may_have_made_is_none_and_its_way_goes_on() -> N
     measure, odometry = meter()
     odometry.reset(Pose(1.8, 0.9, 1.05))
     assert measure.arrive(corner("bend", length=2.2, heading=1.05)) is None
-    measure.met(WallMet(time=2.0, side="right", heading=1.05))
+    measure.wall = WallMet(time=2.0, side="right", heading=1.05)
     odometry.reset(Pose(2.0, 1.3, 1.2))
     arrived = measure.arrive(corner(length=0.4, heading=1.2))
     assert arrived is not None

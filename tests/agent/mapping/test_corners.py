@@ -146,7 +146,7 @@ def test_a_square_closes_after_one_round_and_two_confirming_corners() -> None:
     drive = mapped()
     drive.drive(SQUARE * 2)
     assert drive.mapper.reason == "loop closed"
-    assert len(drive.mapper.trace.corners) == 7
+    assert len(drive.mapper.loop.trace.corners) == 7
     assert drive.map.nodes() == [0, 1, 2, 3]
     closed = event_of(drive.heard, LoopClosed)
     assert (closed.node, closed.met) == (0, 5)
@@ -271,8 +271,8 @@ def test_straight_walls_teach_the_wheels_mismatch() -> None:
     drive.drive(SQUARE[:2])
     drive.heading = wrap_angle(drive.heading + 0.05)
     drive.reach("concave", 1.0, QUARTER)
-    assert drive.mapper.mismatch.value < 0.0
-    assert drive.agent.odometry.mismatch == drive.mapper.mismatch.value
+    assert drive.mapper.meter.mismatch.value < 0.0
+    assert drive.agent.odometry.mismatch == drive.mapper.meter.mismatch.value
 
 
 def test_the_mismatch_is_not_learned_where_it_is_not_to_be() -> None:

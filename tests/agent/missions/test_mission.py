@@ -108,7 +108,7 @@ class Rig:
     def run(self, ticks: int = 500) -> Rig:
         for _ in range(ticks):
             self.agent.tick()
-            if self.runner.ended:
+            if self.runner.done:
                 self.agent.tick()
                 break
         return self
@@ -299,7 +299,7 @@ def test_what_is_no_step_fails_the_mission() -> None:
 def test_an_endless_loop_of_steps_without_time_does_not_hang() -> None:
     rig = Rig(Mission.of("m", Repeat(Say("x"))))
     rig.agent.tick()
-    assert not rig.runner.ended
+    assert not rig.runner.done
     rig.runner.stop()
 
 
