@@ -85,14 +85,18 @@ class MapWriter:
         self._file.seal()
 
     def restore(self, mapping: Mapping) -> None:
-        """Takes everything back to when the last node was committed, to the bit."""
+        """Takes everything back to when the last node was committed, to the bit. Raises: SessionError."""
         state: Any = self._file.state
-        mapping.stage.world.restore(state["world"])
-        mapping.mapper.restore(state["mapper"])
-        mapping.agent.odometry.restore(state["odometry"])
-        mapping.observer.restore(state)
-        mapping.agent.driver = state["driver"]
-        mapping.loop_correct = state.get("loop_correct")
+        try:
+            mapping.stage.world.restore(state["world"])
+            mapping.mapper.restore(state["mapper"])
+            mapping.agent.odometry.restore(state["odometry"])
+            mapping.observer.restore(state)
+            mapping.agent.driver = state["driver"]
+            mapping.loop_correct = state.get("loop_correct")
+        except (TypeError, ValueError, LookupError, AttributeError) as fault:
+            problem = "its run was kept by another version of tolman; map it afresh, with --force"
+            raise SessionError(f"{self._file.path}: {problem}") from fault
         self._committed = mapping.mapper.current
 
 

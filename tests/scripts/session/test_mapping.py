@@ -10,6 +10,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from tolman.agent.mapping.corners import Mapper
 from tolman.maps.errors import MapFileError
 from tolman.maps.hybrid_map import HybridMap
 from tolman.maps.storage.map_file import read_truth
@@ -184,6 +185,21 @@ def test_a_map_of_another_world_cannot_be_resumed_and_stays_as_it_was(tmp_path: 
     with pytest.raises(SessionError, match="a map of env1, not of room: cannot be resumed there"):
         map_world(request(path, world="room", resume=True))
     assert path.read_bytes() == before
+
+
+def test_a_run_that_another_version_kept_is_refused_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken_off(progress: Progress) -> None:
+        if progress.message.startswith("node 1"):
+            raise RuntimeError
+
+    path = tmp_path / "map.tolman"
+    monkeypatch.setattr(Mapper, "state", lambda self: {"current": self.current})
+    with pytest.raises(RuntimeError):
+        map_world(request(path), broken_off)
+    with pytest.raises(SessionError, match="kept by another version of tolman; map it afresh, with --force"):
+        map_world(request(path, resume=True))
 
 
 def test_there_must_be_something_to_resume(tmp_path: Path) -> None:
