@@ -53,18 +53,12 @@ class RigidGraph:
 
     def order(self, strategy: str) -> list[Cell]:
         """The nodes row by row or column by column, back and forth (fig. 3.21)."""
-        cells: list[Cell] = []
+        rows, columns = range(self.rows), range(self.columns)
         if strategy == "rows":
-            for r in range(self.rows):
-                columns = range(self.columns) if r % 2 == 0 else reversed(range(self.columns))
-                cells += [(r, c) for c in columns]
-        elif strategy == "columns":
-            for c in range(self.columns):
-                rows = range(self.rows) if c % 2 == 0 else reversed(range(self.rows))
-                cells += [(r, c) for r in rows]
-        else:
-            raise ValueError(f"unknown exploration strategy {strategy!r}; known: rows, columns")
-        return cells
+            return [(r, c) for r in rows for c in columns[:: -1 if r % 2 else 1]]
+        if strategy == "columns":
+            return [(r, c) for c in columns for r in rows[:: -1 if c % 2 else 1]]
+        raise ValueError(f"unknown exploration strategy {strategy!r}; known: rows, columns")
 
     def path(self, start: Cell, goal: Cell) -> list[Cell] | None:
         """The shortest way (A*) not known to be blocked, without `start`; None if there is none."""

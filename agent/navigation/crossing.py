@@ -109,10 +109,7 @@ class CrossingDrive(Listener):
 
     def cross(self, turn: float, most: float) -> None:
         """Sets out across from where the robot stands. turn: from its own heading (rad). most: m."""
-        self.start()
-        self._goal, self._pose, self._wall = Crossing(0.0, turn, most, 0.0, 0.0), None, None
-        self._most, self._since = most, self.agent.context.time
-        self._cross(0.0)
+        self.begin(Crossing(0.0, turn, most, 0.0, 0.0), FollowFrom.WALL, None, most=most)
 
     def join(self) -> None:
         """Only the last part: looks for a wall ahead and follows it to its corner."""
