@@ -6,14 +6,17 @@ import argparse
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, TypeVar
 
 from ...world.robot import Pose, wrap_angle
 from ..errors import did_you_mean
 
+if TYPE_CHECKING:
+    from ..session.requests import RunSettings
+
+R = TypeVar("R", bound="RunSettings")
 NOISES = ("none", "encoder", "thesis")
 PROFILES = ("default", "thesis")
-MODELS = ("wheels", "planar")
 PICTURES = (".png", ".svg", ".pdf")
 
 
@@ -122,13 +125,8 @@ def add_simulation(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="what all randomness follows from; the same seed gives the same run (default 0)",
     )
-    group.add_argument(
-        "--noise",
-        type=one_of(*NOISES),
-        default="thesis",
-        metavar="PRESET",
-        help="none: ideal sensors; encoder: wheel steps +-10 %%; thesis: also unequal wheels (default)",
-    )
+    noise = "none: ideal sensors; encoder: wheel steps +-10 %%; thesis: also unequal wheels (default)"
+    group.add_argument("--noise", type=one_of(*NOISES), default="thesis", metavar="PRESET", help=noise)
     group.add_argument(
         "--noise-scale",
         type=number(0.0),
@@ -136,19 +134,16 @@ def add_simulation(parser: argparse.ArgumentParser) -> None:
         metavar="X",
         help="multiplies the preset's noise (default 1)",
     )
-    group.add_argument(
-        "--profile",
-        type=one_of(*PROFILES),
-        default="default",
-        metavar="NAME",
-        help="default: our method; thesis: the published one, faults included",
-    )
+    profile = "default: our method; thesis: the published one, faults included"
+    group.add_argument("--profile", type=one_of(*PROFILES), default="default", metavar="NAME", help=profile)
+    model = "wheels: every wheel simulated (default); planar: a sliding disc, cheaper"
     group.add_argument(
         "--robot-model",
-        type=one_of(*MODELS),
+        type=one_of("wheels", "planar"),
+        dest="model",
         default="wheels",
         metavar="MODEL",
-        help="wheels: every wheel simulated (default); planar: a sliding disc, cheaper",
+        help=model,
     )
     group.add_argument(
         "--config", type=Path, metavar="FILE", help="YAML file of settings that override the profile's"
@@ -168,16 +163,7 @@ def add_simulation(parser: argparse.ArgumentParser) -> None:
     add_json(parser)
 
 
-def simulation_values(options: argparse.Namespace) -> dict[str, Any]:
-    """The fields of a `Simulation`, from the options that `add_simulation` adds."""
-    return {
-        "seed": options.seed,
-        "noise": options.noise,
-        "noise_scale": options.noise_scale,
-        "profile": options.profile,
-        "model": options.robot_model,
-        "config": options.config,
-        "plugins": tuple(options.plugins),
-        "scale": options.scale,
-        "isolate": options.isolate,
-    }
+def request_of(kind: type[R], options: argparse.Namespace) -> R:
+    """The request that a command line makes: its options are named as the fields that they set."""
+    values = {name: value for name, value in vars(options).items() if name in kind.__dataclass_fields__}
+    return kind(**values | {"plugins": tuple(options.plugins)})

@@ -11,13 +11,16 @@ import tempfile
 import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 from ...files.messages import FileError
 from ...files.reading import open_regular
 from ...files.writing import check_target
 from ..errors import UsageError
 from ..plain import plain
+
+if TYPE_CHECKING:
+    from ..session.requests import Progress
 
 
 def check_input(path: Path, what: str) -> Path:
@@ -101,3 +104,19 @@ class ProgressLine:
             self._stream.write("\r" + " " * self._width + "\r")
             self._stream.flush()
             self._width = 0
+
+    def simulated(self, progress: Progress) -> None:
+        """Shows how far a simulated run is."""
+        nodes = f", {progress.nodes:3d} nodes" if progress.nodes is not None else ""
+        self.show(f"{progress.time_s:7.0f} s simulated{nodes}  {progress.message}")
+
+
+@contextlib.contextmanager
+def progress_line() -> Iterator[ProgressLine]:
+    """The line of a run inside, whatever else the run prints sent to stderr; cleared at the end."""
+    line = ProgressLine()
+    with stdout_to_stderr():
+        try:
+            yield line
+        finally:
+            line.close()

@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """How far a run is. time_s: simulated seconds."""
+    """How far a run is. time_s: simulated seconds. nodes: how many are known, None for a trip."""
 
     time_s: float
-    nodes: int
+    nodes: int | None
     message: str
 
 

@@ -143,7 +143,7 @@ class Stage:
         *,
         limit: float = math.inf,
         stand: bool = False,
-        doing: Callable[[], tuple[int, str]] | None = None,
+        doing: Callable[[], tuple[int | None, str]] | None = None,
     ) -> bool:
         """Steps until `over()`. Returns False if the simulated time `limit` (s) or `trouble` came first.
 
@@ -177,7 +177,7 @@ class Stage:
         for observer in self.observers:
             observer.stepped()
 
-    def tell(self, nodes: int, message: str) -> None:
+    def tell(self, nodes: int | None, message: str) -> None:
         """Reports progress."""
         self._progress(Progress(self.time, nodes, message))
 

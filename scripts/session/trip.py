@@ -107,7 +107,7 @@ class Trip:
 
     def run(self, limit: float = math.inf) -> None:
         """Lets the session run until it is over. limit: simulated s until it is given up."""
-        if not self.stage.run(self.watch, limit=limit, doing=lambda: (0, self._doing())):
+        if not self.stage.run(self.watch, limit=limit, doing=lambda: (None, self._doing())):
             reason = self.stage.trouble or "max time"
             self.cancel(reason)
 

@@ -21,7 +21,7 @@ from ...experiments.campaign.kinds import ENVIRONMENTS, FIRST_SEED
 from ...plain import plain
 from ..command import Command
 from ..options import integer
-from ..output import ProgressLine, check_input, check_output, stdout_to_stderr
+from ..output import ProgressLine, check_input, check_output, progress_line
 
 if TYPE_CHECKING:
     from ...experiments.campaign.campaign import Progress
@@ -137,10 +137,8 @@ def run(options: argparse.Namespace) -> int:
     page = _page(options)
     if page.studies and options.profile == "thesis":
         raise UsageError("studies are of profile default; leave out --profile thesis, or name tables alone")
-    line = ProgressLine()
-    with stdout_to_stderr(), _stopped_like_an_interrupt():
+    with progress_line() as line, _stopped_like_an_interrupt():
         page.run(_running(options, line))
-        line.close()
         pictures = []
         if options.figures is not None:
             base = options.report.parent if options.report is not None else Path()

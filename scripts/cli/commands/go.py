@@ -6,8 +6,8 @@ import argparse
 from pathlib import Path
 
 from ..command import Command
-from ..options import add_simulation, node, number, pose, simulation_values
-from ..output import ProgressLine, check_input, check_output, print_json, stdout_to_stderr
+from ..options import add_simulation, node, number, pose, request_of
+from ..output import check_input, check_output, print_json, progress_line
 
 DESCRIPTION = """Loads a map and drives to one of its nodes. Without --from, --at or --lost the robot
 starts where it was when the map was saved. The map is left as it is, unless --learn is given."""
@@ -49,29 +49,11 @@ def run(options: argparse.Namespace) -> int:
         check_input(options.config, "file of settings")
     if options.record is not None:
         check_output(options.record, replace=True)
-    from ...session.requests import GoRequest, Progress
+    from ...session.requests import GoRequest
     from ...session.simulation import go_to
 
-    request = GoRequest(
-        map=options.map,
-        to=options.to,
-        origin=options.origin,
-        at=options.at,
-        lost=options.lost,
-        world=options.world,
-        learn=options.learn,
-        max_time=options.max_time,
-        **simulation_values(options),
-        record=options.record,
-    )
-    line = ProgressLine()
-
-    def show(progress: Progress) -> None:
-        line.show(f"{progress.time_s:7.0f} s simulated  {progress.message}")
-
-    with stdout_to_stderr():
-        report = go_to(request, show)
-        line.close()
+    with progress_line() as line:
+        report = go_to(request_of(GoRequest, options), line.simulated)
     values = report.to_json()
     if options.json:
         print_json(values)

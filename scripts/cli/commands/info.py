@@ -13,6 +13,9 @@ from ..output import check_input, print_json
 if TYPE_CHECKING:
     from ....maps import HybridMap
 
+OF_ARC = ("kind", "side", "distance", "variance", "traversals", "blocked")
+"""What is told of each arc, besides its nodes; m."""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the options of `tolman info`."""
@@ -31,16 +34,7 @@ def summary(hybrid: HybridMap) -> dict[str, Any]:
         for node in hybrid.nodes()
     ]
     arcs = [
-        {
-            "from": arc.start,
-            "to": arc.end,
-            "kind": arc.kind,
-            "side": arc.side,
-            "distance": arc.distance,
-            "variance": arc.variance,
-            "traversals": arc.traversals,
-            "blocked": arc.blocked,
-        }
+        {"from": arc.start, "to": arc.end, **{name: getattr(arc, name) for name in OF_ARC}}
         for arc in hybrid.arcs()
     ]
     return {

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..command import Command
-from ..options import add_force, add_simulation, integer, number, one_of, picture, pose, simulation_values
-from ..output import ProgressLine, check_input, check_output, print_json, stdout_to_stderr
+from ..options import add_force, add_simulation, integer, number, one_of, picture, pose, request_of
+from ..output import check_input, check_output, print_json, progress_line
 
 if TYPE_CHECKING:
     from ...session.mapping import MapReport
@@ -24,13 +24,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Adds the options of `tolman map`."""
     parser.add_argument("world", metavar="WORLD", help="what to explore")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="the map to write")
-    parser.add_argument(
-        "--side",
-        type=one_of("right", "left"),
-        default="right",
-        metavar="SIDE",
-        help="right or left: the side on which the robot keeps the wall (default right)",
-    )
+    side = "right or left: the side on which the robot keeps the wall (default right)"
+    parser.add_argument("--side", type=one_of("right", "left"), default="right", metavar="SIDE", help=side)
     parser.add_argument(
         "--global-only", action="store_true", help="build the graph alone, without a local map at each node"
     )
@@ -38,12 +33,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--max-time", type=number(0, strictly=True), metavar="S", help="end after S simulated seconds"
     )
+    strategy = "how a local map is explored: by rows, by columns, or both in turn (alternate, the default)"
     parser.add_argument(
         "--strategy",
         type=one_of("rows", "columns", "alternate"),
         default="alternate",
         metavar="NAME",
-        help="how a local map is explored: by rows, by columns, or both in turn (alternate, the default)",
+        help=strategy,
     )
     parser.add_argument(
         "--start",
@@ -87,32 +83,11 @@ def check(options: argparse.Namespace) -> None:
 def run(options: argparse.Namespace) -> int:
     """Maps, draws and reports."""
     check(options)
-    from ...session.requests import MapRequest, Progress
+    from ...session.requests import MapRequest
     from ...session.simulation import map_world
 
-    request = MapRequest(
-        world=options.world,
-        output=options.output,
-        side=options.side,
-        global_only=options.global_only,
-        max_nodes=options.max_nodes,
-        max_time=options.max_time,
-        strategy=options.strategy,
-        start=options.start,
-        islands=options.islands,
-        resume=options.resume,
-        force=options.force,
-        record=options.record,
-        **simulation_values(options),
-    )
-    line = ProgressLine()
-
-    def show(progress: Progress) -> None:
-        line.show(f"{progress.time_s:7.0f} s simulated, {progress.nodes:3d} nodes  {progress.message}")
-
-    with stdout_to_stderr():
-        report = map_world(request, show)
-        line.close()
+    with progress_line() as line:
+        report = map_world(request_of(MapRequest, options), line.simulated)
         if options.figure is not None:
             from ...drawing.map_picture import plot_map
 

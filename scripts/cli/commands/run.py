@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from ....files.messages import printable
 from ..command import Command
-from ..options import add_force, add_simulation, number, pose, simulation_values
-from ..output import ProgressLine, check_input, check_output, print_json, stdout_to_stderr
+from ..options import add_force, add_simulation, number, pose, request_of
+from ..output import check_input, check_output, print_json, progress_line, stdout_to_stderr
 
 if TYPE_CHECKING:
     from ...session.requests import MissionRequest
@@ -47,7 +47,9 @@ def run(options: argparse.Namespace) -> int:
     check_input(options.mission, "mission")
     if options.map is not None:
         check_input(options.map, "map")
-    request = _request(options)
+    from ...session.requests import MissionRequest
+
+    request = request_of(MissionRequest, options)
     if options.dry_run:
         return _show(request, options.json)
     if options.journal is not None:
@@ -57,24 +59,6 @@ def run(options: argparse.Namespace) -> int:
     if options.record is not None:
         check_output(options.record, replace=options.force)
     return _run(request, options.json)
-
-
-def _request(options: argparse.Namespace) -> MissionRequest:
-    from ...session.requests import MissionRequest
-
-    return MissionRequest(
-        mission=options.mission,
-        world=options.world,
-        map=options.map,
-        start=options.start,
-        global_only=options.global_only,
-        max_time=options.max_time,
-        journal=options.journal,
-        resume=options.resume,
-        force=options.force,
-        record=options.record,
-        **simulation_values(options),
-    )
 
 
 def _show(request: MissionRequest, as_json: bool) -> int:
@@ -96,21 +80,15 @@ def _show(request: MissionRequest, as_json: bool) -> int:
 
 
 def _run(request: MissionRequest, as_json: bool) -> int:
-    from ...session.requests import Progress
     from ...session.simulation import run_mission
 
-    line = ProgressLine()
+    with progress_line() as line:
 
-    def show(progress: Progress) -> None:
-        line.show(f"{progress.time_s:7.0f} s simulated, {progress.nodes:3d} nodes  {progress.message}")
+        def say(text: str) -> None:
+            line.close()
+            print(printable(text), file=sys.stderr, flush=True)
 
-    def say(text: str) -> None:
-        line.close()
-        print(printable(text), file=sys.stderr, flush=True)
-
-    with stdout_to_stderr():
-        report = run_mission(request, show, say)
-        line.close()
+        report = run_mission(request, line.simulated, say)
     if as_json:
         print_json(report.to_json())
     else:
