@@ -10,6 +10,7 @@ from typing import Any
 
 from tolman.agent import Agent
 from tolman.maps.hybrid_map import HybridMap
+from tolman.scripts.session.assembly import make_mapper
 from tolman.scripts.session.requests import MapRequest
 from tolman.scripts.session.stage import Stage
 from tolman.world import Pose, WorldSpec, open_world
@@ -52,9 +53,10 @@ class Pipeline:
         request = MapRequest(world=self.spec.name, global_only=True, model=self.model)
         self.world: Any = open_world(self.spec, model=self.model, noise="thesis", seed=1)
         stage = Stage(self.world, request, {})
-        robots = range(len(self.world.robots))
-        self.agents = [stage.robot(robot) for robot in robots]
-        self.mappers = [stage.make_mapper(request, robot, HybridMap(), _Nowhere()) for robot in robots]
+        self.agents = [stage.robot(robot) for robot in range(len(self.world.robots))]
+        self.mappers = [
+            make_mapper(stage.profile, request, agent, HybridMap(), _Nowhere()) for agent in self.agents
+        ]
         for mapper in self.mappers:
             mapper.start()
 

@@ -136,14 +136,13 @@ def add_simulation(parser: argparse.ArgumentParser) -> None:
     )
     profile = "default: our method; thesis: the published one, faults included"
     group.add_argument("--profile", type=one_of(*PROFILES), default="default", metavar="NAME", help=profile)
-    model = "wheels: every wheel simulated (default); planar: a sliding disc, cheaper"
     group.add_argument(
         "--robot-model",
         type=one_of("wheels", "planar"),
         dest="model",
         default="wheels",
         metavar="MODEL",
-        help=model,
+        help="wheels: every wheel simulated (default); planar: a sliding disc, cheaper",
     )
     group.add_argument(
         "--config", type=Path, metavar="FILE", help="YAML file of settings that override the profile's"

@@ -6,7 +6,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,11 +15,16 @@ from ...agent.islands.mapper import IslandMapper
 from ...agent.listener import Outcome
 from ...maps.hybrid_map import HybridMap
 from ...maps.local.local_map import LocalMap
-from ..plain import report_values
+from ...maps.storage.map_file import RUN
+from ..errors import SessionError
+from ..plain import plain, report_values
+from .assembly import make_mapper
+from .truth import node_truth, run_truth
 
 if TYPE_CHECKING:
     from ...agent.goals import LocalSamples
     from ...agent.mapping.base import ArcKey
+    from .map_files import MapWriter
     from .requests import MapRequest
     from .stage import Stage
 
@@ -71,30 +76,6 @@ class MapReport:
         return report_values(self)
 
 
-class MapKeeper(Protocol):
-    """What keeps a mapping while it is under way, such as `map_files.MapWriter`."""
-
-    @property
-    def map(self) -> HybridMap:
-        """The map so far."""
-
-    @property
-    def resumes(self) -> bool:
-        """Whether there is something to go on from."""
-
-    def commit(self, mapping: Mapping, node: int) -> None:
-        """Saves a complete node."""
-
-    def rest(self, mapping: Mapping, nodes: Sequence[int], arcs: Sequence[ArcKey]) -> None:
-        """Saves what changed while no node was added; those nodes and arcs are forgotten."""
-
-    def finish(self, mapping: Mapping) -> None:
-        """Saves the whole map."""
-
-    def restore(self, mapping: Mapping) -> None:
-        """Takes everything back to when the last node was committed."""
-
-
 class Mapping:
     """A mapping by one robot: `begin` it, ask `watch` once a tick until it is over, take the `report`.
 
@@ -103,7 +84,7 @@ class Mapping:
     """
 
     def __init__(
-        self, stage: Stage, request: MapRequest, robot: int = 0, writer: MapKeeper | None = None
+        self, stage: Stage, request: MapRequest, robot: int = 0, writer: MapWriter | None = None
     ) -> None:
         """writer: keeps it in a file. Raises: SessionError for what the profile cannot do."""
         self.stage, self.request, self.robot = stage, request, robot
@@ -124,7 +105,7 @@ class Mapping:
             bus.subscribe(LoopClosed, self._on_closed),
             bus.subscribe(LocalMapBuilt, self._on_local_map),
         ]
-        self.mapper = stage.make_mapper(request, robot, self.map, self)
+        self.mapper = make_mapper(stage.profile, request, self.agent, self.map, self)
 
     # --- driving -------------------------------------------------------------------------------------
 
@@ -140,8 +121,8 @@ class Mapping:
     def begin(self) -> None:
         """Sets out; or goes on, to the bit, where the file's last node left off."""
         self.observer.begin()
-        if self._writer is not None and self._writer.resumes:
-            self._writer.restore(self)
+        if self._writer is not None and self._writer.state is not None:
+            self._restore(self._writer)
             self.mapper.start()
             self.stage.world.step()
             self._tell(f"resumed after node {self.mapper.current}")
@@ -186,7 +167,7 @@ class Mapping:
         graph = self.map.graph
         graph.remove_nodes_from([node for node in graph if node not in self.observer.nodes])
         if self._writer is not None:
-            self._writer.finish(self)
+            self._writer.finish({RUN: self._run_truth()})
         self.release()
 
     def release(self) -> None:
@@ -224,7 +205,9 @@ class Mapping:
         self.observer.commit(node, corner)
         if self._writer is not None:
             self.map.meta = replace(self.map.meta, current_node=node, arrival=self.request.side)
-            self._writer.commit(self, node)
+            truth = plain(node_truth(self.observer.nodes[node], self.observer.track))
+            self._writer.commit(node, plain(self._state()), {node: truth, RUN: self._run_truth()})
+            self.observer.track = []
 
     def rest(self, nodes: Sequence[int], arcs: Sequence[ArcKey]) -> None:
         """No node was added but others may have changed, and those named were taken back."""
@@ -232,9 +215,40 @@ class Mapping:
             self.observer.nodes.pop(node, None)
         if self._writer is not None:
             self.note_current(closed=False)  # not complete: a resumed run goes on with the search
-            self._writer.rest(self, nodes, arcs)
+            state = {**self._state(), "track": self.observer.track}
+            self._writer.rest(nodes, arcs, plain(state), {RUN: self._run_truth()})
         if isinstance(self.mapper, IslandMapper):
             self._tell(f"{self.mapper.forays} forays, {self.mapper.islands} islands")
+
+    def _run_truth(self) -> dict[str, Any]:
+        values: dict[str, Any] = plain(run_truth(self.observer.track, self.observer.pose))
+        return values
+
+    def _state(self) -> dict[str, Any]:
+        """What a resumed mapping needs besides the map."""
+        return {
+            "mapper": self.mapper.state(),
+            "odometry": self.agent.odometry.state(),
+            **self.observer.state(),
+            "driver": self.agent.driver,
+            **({} if self.loop_correct is None else {"loop_correct": self.loop_correct}),
+            "world": dict(self.stage.world.state()),
+        }
+
+    def _restore(self, writer: MapWriter) -> None:
+        """Takes everything back to when the last node was committed, to the bit. Raises: SessionError."""
+        state = writer.state
+        try:
+            self.stage.world.restore(state["world"])
+            self.mapper.restore(state["mapper"])
+            self.agent.odometry.restore(state["odometry"])
+            self.observer.restore(state)
+            self.agent.driver = state["driver"]
+            self.loop_correct = state.get("loop_correct")
+        except (TypeError, ValueError, LookupError, AttributeError) as fault:
+            problem = "its run was kept by another version of tolman; map it afresh, with --force"
+            raise SessionError(f"{self.request.output}: {problem}") from fault
+        writer.committed = self.mapper.current
 
     # --- what happens --------------------------------------------------------------------------------
 

@@ -14,6 +14,7 @@ from ...agent.listener import Outcome
 from ...agent.navigation.recovery import RecoveringNavigator
 from ...maps.hybrid_map import HybridMap
 from ...maps.storage.map_file import MapFile, read_truth
+from .assembly import make_navigator
 from .mapping import Mapping
 from .requests import MapRequest
 from .trip import Trip
@@ -226,7 +227,7 @@ class RobotSite:
         if self.guide is not None:
             self.guide.stand_at(node, arrival)
             return
-        navigator = self.stage.make_navigator(self.index, self._map(), node, arrival)
+        navigator = make_navigator(self.stage.profile, self.agent, self._map(), node, arrival)
         localizes = self.stage.profile.navigator == "corners"
         self.guide = RecoveringNavigator(self.agent, self._map(), navigator, localizes=localizes)
 

@@ -17,16 +17,13 @@ from ...maps.meta import MapMeta
 from ...plugins.discovery import load_mediator
 from ...world.geometry import Plan
 from ...world.robot import STOP
-from .assembly import make_agent, make_mapper, make_navigator
+from .assembly import make_agent
 from .profiles import Profile, find_profile
 from .requests import Progress, RunSettings, SessionError
 from .settings import configured, mediator_of
 from .truth import Observer
 
 if TYPE_CHECKING:
-    from ...agent.mapping.base import AnyMapper, MapSink
-    from ...agent.navigation.base import BaseNavigator
-    from ...maps.hybrid_map import HybridMap
     from ...world import World
     from .requests import MapRequest
 
@@ -218,15 +215,6 @@ class Stage:
         finally:
             self.world.close()
 
-    # --- what the profile and the settings say -----------------------------------------------------------
-
-    def make_mapper(self, request: MapRequest, robot: int, hybrid_map: HybridMap, sink: MapSink) -> AnyMapper:
-        """The mapper that the profile names, set as the request asks.
-
-        Raises: SessionError for islands with a profile that cannot map them.
-        """
-        return make_mapper(self.profile, request, self.robot(robot), hybrid_map, sink)
-
     def map_meta(self, request: MapRequest) -> MapMeta:
         """What a map made here says about itself."""
         settings, spec = self.settings, self.world.spec
@@ -242,12 +230,6 @@ class Stage:
             geometry=self.world.robots[0].geometry.name,
             scalars={"noise_scale": settings.noise_scale, "robot_model": settings.model, **islands},
         )
-
-    def make_navigator(
-        self, robot: int, hybrid_map: HybridMap, node: int, arrival: str | None
-    ) -> BaseNavigator:
-        """The navigator that the profile names, for a robot at `node` that came by side `arrival`."""
-        return make_navigator(self.profile, self.robot(robot), hybrid_map, node, arrival)
 
 
 def _bounds(world: World) -> tuple[float, float, float, float] | None:

@@ -18,6 +18,7 @@ from ...maps.sides import other_side
 from ...maps.storage.map_file import MapFile
 from ...world.robot import Pose, wrap_angle
 from ..plain import report_values
+from .assembly import make_navigator
 
 if TYPE_CHECKING:
     from ...agent.goals import LegDriven
@@ -126,7 +127,7 @@ class Trip:
         return self.outcome is not None
 
     def _set_out(self, node: int) -> None:
-        navigator = self.stage.make_navigator(self.robot, self.map, node, self._arrival)
+        navigator = make_navigator(self.stage.profile, self.agent, self.map, node, self._arrival)
         localizes = isinstance(navigator, Navigator)
         self.guide = guide = RecoveringNavigator(self.agent, self.map, navigator, localizes=localizes)
         guide.go(self.goal)

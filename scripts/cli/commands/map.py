@@ -33,13 +33,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--max-time", type=number(0, strictly=True), metavar="S", help="end after S simulated seconds"
     )
-    strategy = "how a local map is explored: by rows, by columns, or both in turn (alternate, the default)"
     parser.add_argument(
         "--strategy",
         type=one_of("rows", "columns", "alternate"),
         default="alternate",
         metavar="NAME",
-        help=strategy,
+        help="how a local map is explored: by rows, by columns, or both in turn (alternate, the default)",
     )
     parser.add_argument(
         "--start",

@@ -22,6 +22,7 @@ from ....agent.navigation.published import Correction, ThesisNavigator
 from ....maps.hybrid_map import Arc, HybridMap
 from ....world.errors import SimulationError
 from ....world.robot import Pose, wrap_angle
+from ...session.assembly import make_navigator
 from ...session.profiles import find_profile
 from ...session.simulation import Simulation
 from ..worlds.named import experiment_world
@@ -81,7 +82,7 @@ class TraversalRun:
         """Makes the navigator of a robot that stands at node `first`."""
         self.simulation, self.map, self.truth, self.corrected = simulation, hybrid_map, truth, corrected
         self.world, self.agent, profile = simulation.world, simulation.agent, simulation.profile
-        self.navigator = simulation.make_navigator(0, hybrid_map, first, None)
+        self.navigator = make_navigator(profile, self.agent, hybrid_map, first, None)
         self._comes_back = bool(profile.mapping.get("come_back", True))
         exploring = profile.behaviors.get("local-exploration", {})
         self._landmarks = profile.navigator == "corners" and bool(exploring.get("landmarks", True))

@@ -11,6 +11,7 @@ from tolman.agent.navigation.corners import Navigator
 from tolman.agent.navigation.published import ThesisNavigator
 from tolman.maps.hybrid_map import HybridMap
 from tolman.scripts.cli.options import PROFILES as OFFERED
+from tolman.scripts.session.assembly import make_mapper, make_navigator
 from tolman.scripts.session.profiles import (
     PROFILES,
     REMEDIES,
@@ -48,7 +49,9 @@ def test_a_profile_can_do_without_each_remedy_and_stays_as_it_is_otherwise(remed
     changed = [f.name for f in fields(whole) if getattr(whole, f.name) != getattr(without, f.name)]
     assert set(changed) <= {"name", "behaviors", "mapping", "learn_mismatch", "reflexes"}
     with Simulation("env1", profile=without, engine="kinematic") as simulation:
-        assert isinstance(simulation.make_navigator(0, HybridMap(), 0, None), Navigator)
+        assert isinstance(
+            make_navigator(simulation.profile, simulation.agent, HybridMap(), 0, None), Navigator
+        )
 
 
 def test_there_is_no_profile_without_what_it_does_not_have() -> None:
@@ -78,8 +81,10 @@ def test_a_profile_names_its_mapper_and_navigator(name: str, mapper: type, navig
     hybrid.add_node()
     with Simulation("env1", profile=name, engine="kinematic") as simulation:
         request = simulation.request(MapRequest, world="env1")
-        assert isinstance(simulation.make_mapper(request, 0, hybrid, Nowhere()), mapper)
-        assert isinstance(simulation.make_navigator(0, hybrid, 0, None), navigator)
+        assert isinstance(
+            make_mapper(simulation.profile, request, simulation.agent, hybrid, Nowhere()), mapper
+        )
+        assert isinstance(make_navigator(simulation.profile, simulation.agent, hybrid, 0, None), navigator)
 
 
 def test_profile_thesis_explores_by_path_integration_alone() -> None:
