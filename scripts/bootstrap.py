@@ -42,7 +42,7 @@ LINT = [
     ["-m", "ruff", "check", "."],
     ["-m", "ruff", "format", "--check", "."],
     ["-m", "mypy"],
-    ["-c", "from importlinter.cli import lint_imports_command; lint_imports_command()"],
+    ["-m", "tools.contracts"],
 ]
 TARGETS = {
     "setup": (KIT, []),
