@@ -1,7 +1,7 @@
 """Checks the contracts between packages and rooms, which pyproject.toml states: `python -m tools.contracts`.
 
-import-linter takes the packages of a namespace, or one package with all its modules below its own folder. Ours lie
-beside `tolman/`, which is a package for the front door's sake: for the check alone it is a namespace.
+import-linter takes the packages of a namespace, or one package with all its modules below its own folder.
+Ours lie beside `tolman/`, which is a package for the front door's sake: for the check it is a namespace.
 """
 
 from __future__ import annotations
