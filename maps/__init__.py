@@ -16,8 +16,8 @@ from .fields import Arc
 from .formats.exporting import export
 from .formats.json_map import read_json
 from .hybrid_map import HybridMap
+from .local.config import LocalMapConfig
 from .local.local_map import LocalEstimate, LocalMap
-from .local.training import LocalMapConfig
 from .matching.comparing import Comparison, compare
 from .matching.merging import merge
 from .meta import MapMeta

@@ -18,7 +18,7 @@ from .content import LocalMapContent
 
 if TYPE_CHECKING:
     from ..som.som import SOM, Method
-    from .training import LocalMapConfig
+    from .config import LocalMapConfig
 
 
 class Trainer(Protocol):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -11,33 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...world.robot import EPUCK
 from ..errors import MapError
-from ..som.lattice import Floats, Ints, Topology, frozen
+from ..som.lattice import Floats, Ints, frozen
 from ..som.online import squared_distances
-from ..som.schedules import BATCH, METRIC_1, METRIC_2, PERCEPTUAL_1, PERCEPTUAL_2, Config
-from ..som.som import SOM, Method
+from ..som.som import SOM
+from .config import DEFAULT, LocalMapConfig
 from .content import LocalMapContent
 from .local_map import LocalMap
-
-
-@dataclass(frozen=True, slots=True)
-class LocalMapConfig:
-    """How a local map is built. size: side (m) of the square local space, centered on the node.
-
-    association: how positions are tied to perceptual units, `midpoint` (eq. 3.32: the last sample weighs
-    half) or `mean`. locating: how a position is estimated from a view (see `SOM.locate`). grounded: whether
-    metric units that samples hit are kept to where the body has been (see `grounded`).
-    """
-
-    rows: int = 5
-    cols: int = 5
-    topology: Topology = "hexagonal"
-    size: float = 0.25
-    metric: Config = BATCH
-    perceptual: Config = BATCH
-    association: Literal["mean", "midpoint"] = "mean"
-    locating: Method = "radial"
-    grounded: bool = True
-
 
 NO_WALL_FITS = 2.0 * EPUCK.body_radius - 0.01
 """Meters. Two places where the robot's center was, nearer than its body is wide, have no wall between them,
@@ -45,19 +23,6 @@ however thin: it would have been within the body at one of them. Less 1 cm for w
 
 COVERED = EPUCK.body_radius - 0.005
 """Meters around a place where the robot's center was: the body covered it, so nothing stands there."""
-
-DEFAULT = LocalMapConfig()
-"""Profile `default`."""
-
-THESIS_1 = LocalMapConfig(
-    metric=METRIC_1, perceptual=PERCEPTUAL_1, association="midpoint", locating="best", grounded=False
-)
-"""Tables 4.7 and 4.8, configuration 1."""
-
-THESIS_2 = LocalMapConfig(
-    metric=METRIC_2, perceptual=PERCEPTUAL_2, association="midpoint", locating="best", grounded=False
-)
-"""Tables 4.7 and 4.8, configuration 2, the one the thesis finds the better."""
 
 
 def train(

@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Any, Literal
 
 from ...agent.boundary.trace import ClosingConfig
-from ...maps.local.training import DEFAULT, THESIS_2, LocalMapConfig
+from ...maps.local.config import DEFAULT, THESIS_2, LocalMapConfig
 from ...maps.som.schedules import PERCEPTUAL_2
 from ..errors import SessionError, did_you_mean
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from tools.structure import MOST_MODULES, House
+from tools.structure import MOST_CHAIN, MOST_MODULES, House
 
 
 def written(root: Path, files: dict[str, str]) -> House:
@@ -37,3 +37,9 @@ def test_circles_are_found_also_where_only_a_type_checker_sees_them(tmp_path: Pa
 def test_no_folder_has_too_many_modules() -> None:
     widths = House.read().widths()
     assert {folder for folder, modules in widths.items() if modules > MOST_MODULES} == set()
+
+
+def test_no_chain_of_imports_is_too_long_and_none_is_a_circle() -> None:
+    house = House.read()
+    assert len(house.chain) <= MOST_CHAIN, " > ".join(house.chain)
+    assert house.circles() == []

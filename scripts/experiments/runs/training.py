@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....agent.goals import LocalSamples
+from ....maps.local.config import DEFAULT, THESIS_1
 from ....maps.local.local_map import LocalMap
-from ....maps.local.training import DEFAULT, THESIS_1
 from ....maps.som.som import SOM
 from ...session.mapping import Mapping
 from ...session.profiles import THESIS_LOCAL_MAP

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from tolman.maps.errors import MapError, NoPathError, UnknownNodeError
+from tolman.maps.local.config import DEFAULT, THESIS_1, THESIS_2, LocalMapConfig
 from tolman.maps.local.local_map import LocalMap
-from tolman.maps.local.training import DEFAULT, THESIS_1, THESIS_2, LocalMapConfig, tie_positions
+from tolman.maps.local.training import tie_positions
 
 
 def lattice_walk(step: float = 0.02) -> NDArray[np.float64]:

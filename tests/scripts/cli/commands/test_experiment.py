@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
-from tolman.maps.local.training import DEFAULT
+from tolman.maps.local.config import DEFAULT
 from tolman.scripts.cli.program import execute
 from tolman.scripts.experiments.campaign.kinds import NEEDS
 from tolman.scripts.experiments.campaign.version import code_version
