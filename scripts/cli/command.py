@@ -6,6 +6,9 @@ import argparse
 from collections.abc import Callable
 from dataclasses import dataclass
 
+ANY_PORT = 0
+"""Of `--live` without a number: any that is free."""
+
 
 @dataclass(frozen=True, slots=True)
 class Command:

@@ -12,10 +12,11 @@ import re
 import sys
 from collections.abc import Sequence
 from importlib.metadata import version
+from itertools import zip_longest
 from typing import NoReturn
 
 from ..errors import UsageError, describe, did_you_mean, status_of
-from .command import Command
+from .command import ANY_PORT, Command
 from .streams import escaped_streams
 
 COMMANDS = {
@@ -32,6 +33,7 @@ COMMANDS = {
     "replay": ("replay:COMMAND", "re-run a recorded session and report the first difference"),
     "explain": ("replay:EXPLAIN", "read a recorded session as a timeline: who drove, and why"),
     "report": ("report:COMMAND", "a run or a map as one page to look at, offline"),
+    "view": ("view:COMMAND", "open that page in a browser"),
     "plugins": ("plugins:COMMAND", "list, check, write and draw behaviors"),
     "experiment": ("experiment:COMMAND", "measure it against the published figures"),
 }
@@ -95,11 +97,16 @@ def load(name: str) -> Command:
     return command
 
 
-def join_coordinates(arguments: Sequence[str]) -> list[str]:
-    """Joins an option and a list of numbers after it that starts with a minus: argparse would refuse it."""
+def join_values(arguments: Sequence[str]) -> list[str]:
+    """Joins options and values that argparse would misread.
+
+    A list of numbers may start with a minus. `--live` may stand without a port, also before other arguments.
+    """
     joined: list[str] = []
-    for argument in arguments:
-        if re.match(r"-[\d.]+,", argument) and joined and re.fullmatch(r"--[a-z-]+", joined[-1]):
+    for argument, after in zip_longest(arguments, arguments[1:], fillvalue=""):
+        if argument == "--live" and not after.isdecimal():
+            joined.append(f"--live={ANY_PORT}")
+        elif re.match(r"-[\d.]+,", argument) and joined and re.fullmatch(r"--[a-z-]+", joined[-1]):
             joined[-1] += "=" + argument
         else:
             joined.append(argument)
@@ -120,7 +127,7 @@ def parse(arguments: Sequence[str]) -> tuple[Command, argparse.Namespace]:
         )
     command = load(name)
     parser = build_parser(command)
-    namespace, unknown = parser.parse_known_args(join_coordinates(rest))
+    namespace, unknown = parser.parse_known_args(join_values(rest))
     if unknown:
         parser.error(f"unexpected argument {unknown[0]!r}{did_you_mean(unknown[0], parser.options())}")
     return command, namespace

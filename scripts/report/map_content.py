@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
@@ -15,10 +15,16 @@ from .ticks import gray
 PLACE_STEP = 0.0005
 
 
-def map_content(hybrid: HybridMap, poses: Mapping[int, Pose]) -> dict[str, Any]:
-    """Nodes and arcs of a map for `pack`. poses: where the nodes stand in the page's frame (m, rad)."""
+def map_content(
+    hybrid: HybridMap, poses: Mapping[int, Pose], only: Collection[int] | None = None
+) -> dict[str, Any]:
+    """Nodes and arcs of a map for `pack`. poses: where the nodes stand in the page's frame (m, rad).
+
+    only: the nodes that are wanted; None wants all.
+    """
+    wanted = [node for node in hybrid.nodes() if only is None or node in only]
     return {
-        "nodes": [node_content(hybrid, node, poses.get(node)) for node in hybrid.nodes()],
+        "nodes": [node_content(hybrid, node, poses.get(node)) for node in wanted],
         "arcs": [
             [arc.start, arc.end, arc.kind, arc.distance, arc.variance, arc.traversals, arc.blocked]
             for arc in hybrid.arcs()

@@ -15,16 +15,16 @@ from ...files.reading import open_regular
 from ...maps import HybridMap, MapError
 from ...world.arenas.catalog import find_world
 from ...world.errors import WorldError
-from ...world.robot import CONTROL_PERIOD, EPUCK, EPUCK2, Pose, RobotGeometry
+from ...world.robot import CONTROL_PERIOD, EPUCK, Pose
 from ..drawing.map_picture import alone, walls_of
 from ..errors import UsageError
 from ..session.recording import outlines
 from ..session.truth import read_map_truth
 from .map_content import map_content
+from .robots import GEOMETRIES, robot_content
 from .ticks import Gatherer
 
 _KINDS = {"map": "mapping", "go": "trip", "mission": "mission"}
-GEOMETRIES = {geometry.name: geometry for geometry in (EPUCK, EPUCK2)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +104,7 @@ def run_subject(path: Path, map_file: Path | None, world: str | None) -> Subject
             "complete": recording.complete,
             "placed": "true" if gatherer.start is not None else "map",
             "period": CONTROL_PERIOD,
-            "grown": header.get("kind") == "map",
+            "grown": header.get("kind") == "map" or hybrid is None,
         },
         "walls": _walls(header, world),
         "robot": robot_content(geometry),
@@ -115,17 +115,6 @@ def run_subject(path: Path, map_file: Path | None, world: str | None) -> Subject
         "places": {node: [pose.x, pose.y, pose.heading] for node, pose in poses.items()},
     }
     return Subject(content, tuple(remarks))
-
-
-def robot_content(geometry: RobotGeometry) -> dict[str, Any]:
-    """What the page draws of a robot. Lengths in m, angles in rad."""
-    return {
-        "name": geometry.name,
-        "radius": geometry.body_radius,
-        "angles": list(geometry.infrared_angles),
-        "range": geometry.infrared_range,
-        "maxSpeed": geometry.max_speed,
-    }
 
 
 def corner_poses(ticks: Iterable[RecordedTick]) -> dict[int, Pose]:

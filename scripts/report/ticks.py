@@ -159,11 +159,16 @@ class Gatherer:
     def _text(self, text: str) -> int:
         return self._texts.setdefault(printable(text)[:200], len(self._texts))
 
+    @property
+    def waiting(self) -> int:
+        """How many ticks came since the last time."""
+        return self.count - self._first
+
     # --- giving them out -----------------------------------------------------------------------------
 
     def take(self) -> dict[str, Any]:
         """What came since the last time, with arrays and series in it, for `pack`."""
-        count = self.count - self._first
+        count = self.waiting
         names, texts = list(self._names), list(self._texts)
         true = self._poses(self._true) if len(self._true) == count else None
         chunk = {

@@ -91,6 +91,7 @@ class Mapping:
         self.agent = stage.robot(robot)
         self.observer = stage.observers[robot]
         self.map = HybridMap(stage.map_meta(request)) if writer is None else writer.map
+        stage.hybrid = self.map
         self.outcome: Outcome | None = None
         self.loop_correct: bool | None = None
         self._writer = writer

@@ -52,6 +52,8 @@ from .trip import GoReport, Trip
 from .truth import poses_of
 
 ShowProgress = Callable[[Progress], None]
+Watch = Callable[[Stage], None]
+"""Is given a session before anything runs, to look on."""
 
 
 def _silent(progress: Progress) -> None:
@@ -75,6 +77,7 @@ class Simulation(Stage):
         behaviors: Iterable[Behavior] = (),
         profile: Profile | str | None = None,
         progress: ShowProgress = _silent,
+        watch: Watch | None = None,
         **fields: Any,
     ) -> None:
         """Opens a world: a name, a file or a description.
@@ -84,6 +87,7 @@ class Simulation(Stage):
         behaviors: more behaviors for the robot, besides those that are found.
         profile: a name, or a profile of your own.
         progress: called with how far a job is.
+        watch: called with the simulation when it is open, to look on.
 
         Raises: WorldError, PluginError, ConfigError, SessionError.
         """
@@ -95,6 +99,8 @@ class Simulation(Stage):
         own = profile if isinstance(profile, Profile) else None
         opened = make_world(settings, place, options.get("noise", {}), start)
         super().__init__(opened, settings, options, profile=own, behaviors=behaviors, progress=progress)
+        if watch is not None:
+            watch(self)
 
     def map(self, path: Path | str | None = None, **fields: Any) -> MapReport:
         """Maps from where the robot stands, and reports; the report has the map.
@@ -164,17 +170,19 @@ class Simulation(Stage):
         return MissionJob(self, sites_of(self, request), loaded).drive(request.max_time)
 
 
-def map_world(request: MapRequest, progress: ShowProgress = _silent) -> MapReport:
+def map_world(request: MapRequest, progress: ShowProgress = _silent, watch: Watch | None = None) -> MapReport:
     """Maps a world as `tolman map` does, saving as it goes, and reports.
 
     Raises: WorldError, MapError, SessionError, PluginError for a request that cannot be met; before the run.
     """
     start = request.start or request.side
-    with Simulation(request.world, settings_of(request), start=start, progress=progress) as simulation:
+    with Simulation(
+        request.world, settings_of(request), start=start, progress=progress, watch=watch
+    ) as simulation:
         return simulation.carry_out(request)
 
 
-def go_to(request: GoRequest, progress: ShowProgress = _silent) -> GoReport:
+def go_to(request: GoRequest, progress: ShowProgress = _silent, watch: Watch | None = None) -> GoReport:
     """Drives to a node of a map as `tolman go` does, and reports.
 
     Raises: MapError, WorldError, SessionError, PluginError for a request that cannot be met; before the trip.
@@ -183,7 +191,9 @@ def go_to(request: GoRequest, progress: ShowProgress = _silent) -> GoReport:
     goal = hybrid_map.find(request.to)
     world = world_of_trip(request, hybrid_map.meta)
     start = start_of_trip(request, hybrid_map, truth)
-    with Simulation(world, settings_of(request), start=start.pose, progress=progress) as simulation:
+    with Simulation(
+        world, settings_of(request), start=start.pose, progress=progress, watch=watch
+    ) as simulation:
         trip = Trip(simulation, hybrid_map, goal)
         limit = math.inf if request.max_time is None else request.max_time
         with recorded(request.record, "go", request, simulation, {"map": request.map.read_bytes()}):
@@ -194,7 +204,10 @@ def go_to(request: GoRequest, progress: ShowProgress = _silent) -> GoReport:
 
 
 def run_mission(
-    request: MissionRequest, progress: ShowProgress = _silent, say: Callable[[str], None] = lambda text: None
+    request: MissionRequest,
+    progress: ShowProgress = _silent,
+    say: Callable[[str], None] = lambda text: None,
+    watch: Watch | None = None,
 ) -> MissionReport:
     """Runs a mission file as `tolman run` does, and reports. say: is told what the mission says.
 
@@ -202,7 +215,7 @@ def run_mission(
     """
     mission = Mission.load(request.mission)
     world, start = start_of_mission(request)
-    with Simulation(world, settings_of(request), start=start, progress=progress) as simulation:
+    with Simulation(world, settings_of(request), start=start, progress=progress, watch=watch) as simulation:
         sites = sites_of(simulation, request)
         before = attachments(request)
         job = MissionJob(simulation, sites, mission, request.journal, request.resume, say)

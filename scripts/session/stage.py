@@ -16,7 +16,7 @@ from ...agent import Agent, Behavior
 from ...maps.meta import MapMeta
 from ...plugins.discovery import load_mediator
 from ...world.geometry import Plan
-from ...world.robot import STOP
+from ...world.robot import STOP, Pose
 from .assembly import make_agent
 from .profiles import Profile, find_profile
 from .requests import Progress, RunSettings, SessionError
@@ -41,7 +41,8 @@ class Stage:
     settings: what the run is made with; options: the file of settings, read; profile: the method. agents,
     observers: of the robots that drive, in the world's order; the first is there from the start, `robot`
     adds others. begun: whether anything has run yet. trouble: why `run` gave up by itself, such as a robot
-    that left all walls.
+    that left all walls. hybrid, places: for those who look on, the map that the last job makes or drives by,
+    and the true poses of its nodes as far as the job was told.
     """
 
     def __init__(
@@ -63,6 +64,8 @@ class Stage:
         self.observers: list[Observer] = []
         self.begun = False
         self.trouble = ""
+        self.hybrid: HybridMap | None = None
+        self.places: Mapping[int, Pose] = {}
         self._progress = progress
         self._looked = -math.inf
         try:

@@ -69,6 +69,7 @@ class Trip:
         """At the start; the clock of the computer runs from here."""
         self.stage, self.map, self.goal, self.robot = stage, hybrid_map, goal, robot
         self.agent = stage.robot(robot)
+        stage.hybrid = hybrid_map
         self.outcome: Outcome | None = None
         self.guide: RecoveringNavigator | None = None
         self.localizer: Localizer | None = None
@@ -84,6 +85,7 @@ class Trip:
         self, node: int | None, arrival: str | None, truth: Mapping[int, Pose], limit: float = math.inf
     ) -> GoReport:
         """Goes there and reports. limit: the simulated time (s) at which it is given up."""
+        self.stage.places = truth
         self.begin(node, arrival)
         if self.outcome is None:
             self.run(limit)

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from ..command import Command
+from ..live import add_live, watched
 from ..options import add_simulation, node, number, pose, request_of
 from ..output import check_input, check_output, print_json, progress_line
 
@@ -39,6 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--record", type=Path, metavar="RUN", help="record the trip, for `tolman replay` and `tolman explain`"
     )
+    add_live(parser)
     add_simulation(parser)
 
 
@@ -52,8 +54,8 @@ def run(options: argparse.Namespace) -> int:
     from ...session.requests import GoRequest
     from ...session.simulation import go_to
 
-    with progress_line() as line:
-        report = go_to(request_of(GoRequest, options), line.simulated)
+    with progress_line() as line, watched(options.live) as watch:
+        report = go_to(request_of(GoRequest, options), line.simulated, watch)
     values = report.to_json()
     if options.json:
         print_json(values)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..command import Command
+from ..live import add_live, watched
 from ..options import add_force, add_simulation, integer, number, one_of, picture, pose, request_of
 from ..output import check_input, check_output, print_json, progress_line
 
@@ -59,6 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--record", type=Path, metavar="RUN", help="record the run, for `tolman replay` and `tolman explain`"
     )
+    add_live(parser)
     add_simulation(parser)
 
 
@@ -85,8 +87,8 @@ def run(options: argparse.Namespace) -> int:
     from ...session.requests import MapRequest
     from ...session.simulation import map_world
 
-    with progress_line() as line:
-        report = map_world(request_of(MapRequest, options), line.simulated)
+    with progress_line() as line, watched(options.live) as watch:
+        report = map_world(request_of(MapRequest, options), line.simulated, watch)
         if options.figure is not None:
             from ...drawing.map_picture import plot_map
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from ....files.messages import printable
 from ..command import Command
+from ..live import add_live, watched
 from ..options import add_force, add_simulation, number, pose, request_of
 from ..output import check_input, check_output, print_json, progress_line, stdout_to_stderr
 
@@ -39,6 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--resume", action="store_true", help="go on from the --journal")
     parser.add_argument("--record", type=Path, metavar="RUN", help="record the run, for replay and explain")
     add_force(parser)
+    add_live(parser)
     add_simulation(parser)
 
 
@@ -58,7 +60,7 @@ def run(options: argparse.Namespace) -> int:
         )
     if options.record is not None:
         check_output(options.record, replace=options.force)
-    return _run(request, options.json)
+    return _run(request, options.json, options.live)
 
 
 def _show(request: MissionRequest, as_json: bool) -> int:
@@ -79,16 +81,16 @@ def _show(request: MissionRequest, as_json: bool) -> int:
     return 1 if plan.problems else 0
 
 
-def _run(request: MissionRequest, as_json: bool) -> int:
+def _run(request: MissionRequest, as_json: bool, live: int | None) -> int:
     from ...session.simulation import run_mission
 
-    with progress_line() as line:
+    with progress_line() as line, watched(live) as watch:
 
         def say(text: str) -> None:
             line.close()
             print(printable(text), file=sys.stderr, flush=True)
 
-        report = run_mission(request, line.simulated, say)
+        report = run_mission(request, line.simulated, say, watch)
     if as_json:
         print_json(report.to_json())
     else:

@@ -62,7 +62,8 @@ export class Machine {
       return;
     }
     if (!this.drawn.has(path)) this.drawn.set(path, diagram(what));
-    this.box.replaceChildren(chips, this.drawn.get(path).picture);
+    const { picture, ways } = this.drawn.get(path);
+    this.box.replaceChildren(chips, picture, ways);
   }
 
   light(path) {
@@ -76,6 +77,9 @@ export class Machine {
     drawn.picture.style.setProperty("--lit-ink", inkOn(color));
     for (const [name, box] of drawn.states) box.classList.toggle("lit", name === state);
     for (const [source, edge] of drawn.edges) edge.classList.toggle("out", source === state);
+    const out = drawn.table.filter(([source]) => source === state);
+    const way = ([, target, triggers]) => `${triggers.replaceAll("_", " ")} \u2192 ${words(target)}`;
+    drawn.ways.textContent = state ? `From ${words(state)}: ${out.map(way).join("; ") || "no way out"}` : "It is not active.";
     drawn.picture.setAttribute("aria-label", `${path}: ${state ? words(state) : "not active"}`);
   }
 }
@@ -93,10 +97,9 @@ function diagram({ states, edges, initial }) {
   const picture = svg("svg", { viewBox: `0 0 ${WIDE} ${HIGH}`, role: "img" });
   const drawnEdges = edges.map(([source, target, label]) => [source, arrow(places, source, target, label)]);
   const drawnStates = states.map((state) => [state, box(places.get(state), state, state === initial)]);
-  const labels = drawnEdges.map(([source, edge]) => [source, svg("g", { class: "edge" }, edge.querySelector("text"))]);
-  drawnEdges.push(...labels); // above the boxes
-  for (const [, part] of [...drawnEdges.slice(0, edges.length), ...drawnStates, ...labels]) picture.append(part);
-  return { picture, states: drawnStates, edges: drawnEdges, lit: null };
+  picture.append(...drawnEdges.map(([, edge]) => edge), ...drawnStates.map(([, each]) => each));
+  const ways = element("p", { className: "ways" });
+  return { picture, ways, table: edges, states: drawnStates, edges: drawnEdges, lit: null };
 }
 
 const halfWidth = (state) => 3.3 * words(state).length + 9;
@@ -125,7 +128,6 @@ function arrow(places, source, target, triggers) {
   if (source === target) {
     const [x, y] = [from[0] + halfWidth(source) - 8, from[1] - 11];
     group.append(svg("path", { d: `M${x - 10},${y} C${x - 12},${y - 18} ${x + 12},${y - 18} ${x + 6},${y}` }));
-    group.append(svg("text", { x: x + 14, y: y - 8 }, label));
     return group;
   }
   const [dx, dy] = [to[0] - from[0], to[1] - from[1]];
@@ -136,9 +138,5 @@ function arrow(places, source, target, triggers) {
   const angle = Math.atan2(end[1] - middle[1], end[0] - middle[0]);
   const tip = [0, 2.7, -2.7].map((turn) => [end[0] + (turn ? 8 * Math.cos(angle + turn) : 0), end[1] + (turn ? 8 * Math.sin(angle + turn) : 0)]);
   group.append(svg("polygon", { points: tip.map((point) => point.join()).join(" ") }));
-  const [x, y] = [(start[0] + 2 * middle[0] + end[0]) / 4, (start[1] + 2 * middle[1] + end[1]) / 4];
-  const half = 2.8 * label.length;
-  const at = Math.min(WIDE - half - 2, Math.max(half + 2, x));
-  group.append(svg("text", { x: at, y: y + 3, "text-anchor": "middle" }, label));
   return group;
 }

@@ -83,11 +83,12 @@ export class Run {
     this.nodes = new Map();
     this.arcs = [];
     this.version = 0;
-    this.fixed = content.map.nodes.length > 0;
+    this.fixed = content.map.nodes.length > 0 && !content.about.live;
     this.grown = Boolean(content.about.grown);
     this.places = content.places ?? {};
-    for (const node of content.map.nodes) this.putNode(node, this.grown ? Infinity : -1);
-    for (const arc of content.map.arcs) this.putArc(arc, this.grown ? Infinity : -1);
+    const first = this.grown && !content.about.live ? Infinity : -1;
+    for (const node of content.map.nodes) this.putNode(node, first);
+    for (const arc of content.map.arcs) this.putArc(arc, first);
     if (content.ticks) this.append(content.ticks);
   }
 

@@ -97,8 +97,13 @@ def test_no_text_breaks_an_argument_type(text: str) -> None:
 
 
 def test_coordinates_may_begin_with_a_minus() -> None:
-    assert cli.join_coordinates(["--start", "-1,2,3", "-o", "x"]) == ["--start=-1,2,3", "-o", "x"]
-    assert cli.join_coordinates(["--seed", "-1"]) == ["--seed", "-1"]
+    assert cli.join_values(["--start", "-1,2,3", "-o", "x"]) == ["--start=-1,2,3", "-o", "x"]
+    assert cli.join_values(["--seed", "-1"]) == ["--seed", "-1"]
+
+
+def test_live_may_stand_without_a_port() -> None:
+    assert cli.join_values(["--live", "8000", "x"]) == ["--live", "8000", "x"]
+    assert cli.join_values(["--live", "env1", "--live"]) == ["--live=0", "env1", "--live=0"]
 
 
 def test_a_node_is_a_number_or_a_name() -> None:
