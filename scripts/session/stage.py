@@ -24,6 +24,7 @@ from .settings import configured, mediator_of
 from .truth import Observer
 
 if TYPE_CHECKING:
+    from ...maps.hybrid_map import HybridMap
     from ...world import World
     from .requests import MapRequest
 
