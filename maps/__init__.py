@@ -18,6 +18,7 @@ from .formats.json_map import read_json
 from .hybrid_map import HybridMap
 from .local.config import LocalMapConfig
 from .local.local_map import LocalEstimate, LocalMap
+from .local.training import train as train  # what LocalMap.build goes by
 from .matching.comparing import Comparison, compare
 from .matching.merging import merge
 from .meta import MapMeta
