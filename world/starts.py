@@ -68,9 +68,14 @@ def _good(plan: Plan, pose: Pose) -> bool:
         point = pose.compose(ahead, 0.0)
         if plan.clearance(point.x, point.y) < (BESIDE - 1e-4 if ahead == 0.0 else radius + 0.005):
             return False
+    return is_walled_in(plan, pose.x, pose.y)
+
+
+def is_walled_in(plan: Plan, x: float, y: float) -> bool:
+    """Whether there are walls all around a place (m)."""
     turns = np.arange(_RAYS) * math.tau / _RAYS + 0.01
     directions: Floats = np.stack((np.cos(turns), np.sin(turns)), 1)
-    origins = np.broadcast_to(np.array((pose.x, pose.y)), directions.shape)
+    origins = np.broadcast_to(np.array((x, y)), directions.shape)
     return bool(np.isfinite(cast(origins, directions, plan.segments)).all())
 
 

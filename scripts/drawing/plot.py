@@ -129,7 +129,7 @@ def draw_nodes(axes: Axes, drawing: Drawing, radius: float) -> None:
         axes.text(
             pose.x,
             pose.y,
-            drawing.labels.get(node, str(node)),
+            str(node),
             color="white",
             fontsize=7 if len(drawing.nodes) <= 12 else 5,
             fontweight="bold",

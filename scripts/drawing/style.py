@@ -45,7 +45,7 @@ class Drawing:
     """Everything that is drawn, in one frame (m): the world's where the truth is known.
 
     nodes: pose of each, heading = entry heading. corners: node -> `concave`, `convex` or `none`. track:
-    (n, 2) m, the driven path, empty if not known. labels: what stands on nodes instead of their number.
+    (n, 2) m, the driven path, empty if not known.
     """
 
     title: str
@@ -54,7 +54,6 @@ class Drawing:
     lattices: Mapping[int, Lattice] = field(default_factory=dict)
     shapes: Sequence[Shape] = ()
     track: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2)))
-    labels: Mapping[int, str] = field(default_factory=dict)
     corners: Mapping[int, str] = field(default_factory=dict)
 
 

@@ -57,8 +57,7 @@ class _Job:
         """None while it is under way. Asked once a tick."""
         if self._job.watch():
             self._end(True)
-        ended = self._job.outcome
-        return None if ended is None else Outcome(ended.succeeded, ended.result, ended.reason)
+        return self._job.outcome
 
     def cancel(self, reason: str = "cancelled") -> None:
         """Stops where the robot is."""

@@ -11,6 +11,7 @@ from ..options import add_force, add_json
 from ..output import check_input, check_output, print_json
 
 if TYPE_CHECKING:
+    from ....maps import HybridMap
     from ....maps.matching.comparing import Comparison
 
 DIFF = """Compares two maps of the same world: which node is which, nodes that only one has, and arcs whose
@@ -24,6 +25,14 @@ distances that both measured, averaged. Maps that do not match are refused."""
 def _add_maps(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("one", type=Path, metavar="A", help="a map")
     parser.add_argument("other", type=Path, metavar="B", help="another map of the same world")
+
+
+def _loaded(options: argparse.Namespace) -> tuple[HybridMap, HybridMap]:
+    for path in (options.one, options.other):
+        check_input(path, "map")
+    from ....maps import HybridMap
+
+    return HybridMap.load(options.one), HybridMap.load(options.other)
 
 
 def add_diff_arguments(parser: argparse.ArgumentParser) -> None:
@@ -58,12 +67,10 @@ def text(found: Comparison) -> str:
 
 def run_diff(options: argparse.Namespace) -> int:
     """Compares and prints."""
-    check_input(options.one, "map")
-    check_input(options.other, "map")
-    from ....maps import HybridMap
+    one, other = _loaded(options)
     from ....maps.matching.comparing import compare
 
-    found = compare(HybridMap.load(options.one), HybridMap.load(options.other))
+    found = compare(one, other)
     if options.json:
         print_json(found.to_json())
     else:
@@ -73,13 +80,11 @@ def run_diff(options: argparse.Namespace) -> int:
 
 def run_merge(options: argparse.Namespace) -> int:
     """Merges and says what came of it."""
-    check_input(options.one, "map")
-    check_input(options.other, "map")
+    one, other = _loaded(options)
     check_output(options.output, replace=options.force)
-    from ....maps import HybridMap
     from ....maps.matching.merging import merge
 
-    merged = merge(HybridMap.load(options.one), HybridMap.load(options.other))
+    merged = merge(one, other)
     merged.save(options.output, force=options.force)
     graph = merged.graph
     print(f"{options.output}: {graph.number_of_nodes()} nodes, {graph.number_of_edges()} arcs")

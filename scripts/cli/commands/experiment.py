@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import contextlib
 import json
-import math
 import signal
 import threading
 import time
@@ -20,7 +19,7 @@ from ...errors import UsageError
 from ...experiments.campaign.kinds import ENVIRONMENTS, FIRST_SEED
 from ...plain import plain
 from ..command import Command
-from ..options import integer
+from ..options import integer, number
 from ..output import ProgressLine, check_input, check_output, progress_line
 
 if TYPE_CHECKING:
@@ -66,7 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE[:SCALE]",
         help="a world file for `variants`, its lengths times SCALE; can be given again",
     )
-    parser.add_argument("--max-hours", type=_hours, metavar="H", help="begin no run after so many hours")
+    parser.add_argument("--max-hours", type=number(0), metavar="H", help="begin no run after so many hours")
     parser.add_argument("--finished-only", action="store_true", help="run nothing: report what has finished")
     parser.add_argument(
         "--first-seed",
@@ -106,16 +105,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--notes", type=Path, metavar="FILE", help="Markdown to put into the report, as reasons for misses"
     )
     parser.add_argument("--json", type=Path, metavar="OUT", help="also write all figures as JSON")
-
-
-def _hours(text: str) -> float:
-    try:
-        hours = float(text)
-    except ValueError:
-        hours = math.nan
-    if not 0.0 <= hours < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number of hours")
-    return hours
 
 
 def _environments(text: str) -> tuple[str, ...]:

@@ -14,7 +14,7 @@ from ....plugins.errors import PluginError
 from ....plugins.template import write_plugin
 from ...errors import UsageError
 from ..command import Command
-from ..options import add_json, one_of
+from ..options import add_json, one_of, picture
 from ..output import check_output, print_json
 
 ACTIONS = ("list", "check", "new", "diagram")
@@ -51,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o",
         "--output",
-        type=Path,
+        type=picture,
         metavar="PNG",
         help="where `diagram` draws; else it prints Mermaid text",
     )
@@ -140,8 +140,6 @@ def _diagram(options: argparse.Namespace) -> int:
         return 0
     if len(classes) > 1:
         raise UsageError(f"{options.name} holds several behaviors; name one")
-    if options.output.suffix.lower() not in (".png", ".svg", ".pdf"):
-        raise UsageError(f"{options.output} does not end in .png, .svg, .pdf")
     draw(classes[0], check_output(options.output, replace=options.force))
     return 0
 

@@ -15,6 +15,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -124,7 +125,7 @@ def run_campaign(
                 return
             yield job
 
-    attempt = work if failed is None else _Guarded(work)
+    attempt = work if failed is None else partial(_guarded, work=work)
     for job, result in _results(begun(), attempt, processes, dask):
         clock.done(cost(job))
         if failed is not None and _ERROR in result:
@@ -188,19 +189,14 @@ def _results(
 _ERROR = "error of the run"
 
 
-@dataclass(frozen=True, slots=True)
-class _Guarded:
-    """Work that tells of an error instead of raising it."""
-
-    work: Work
-
-    def __call__(self, settings: Mapping[str, Any]) -> Mapping[str, Any]:
-        try:
-            return self.work(settings)
-        except Exception as error:  # one run of hundreds must not take the others with it
-            where = traceback.extract_tb(error.__traceback__)[-1]
-            at = f"{Path(where.filename).name}:{where.lineno}"
-            return {_ERROR: f"{type(error).__name__} at {at}: {' '.join(str(error).split())}"}
+def _guarded(settings: Mapping[str, Any], work: Work) -> Mapping[str, Any]:
+    """The work, which tells of an error instead of raising it."""
+    try:
+        return work(settings)
+    except Exception as error:  # one run of hundreds must not take the others with it
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        at = f"{Path(where.filename).name}:{where.lineno}"
+        return {_ERROR: f"{type(error).__name__} at {at}: {' '.join(str(error).split())}"}
 
 
 def _one(job: Job, work: Work) -> tuple[Job, Result]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -45,7 +46,7 @@ class Running:
         folder.mkdir(parents=True, exist_ok=True)
         return run_campaign(
             paced(groups),
-            Work(folder),
+            partial(run_job, folder=folder),
             processes=self.processes,
             store=Store(folder / "runs.jsonl", version_of),
             progress=lambda progress: self.progress(what, progress),
@@ -60,18 +61,12 @@ ALONE = Running()
 """One process, no limit, nobody to tell."""
 
 
-@dataclass(frozen=True, slots=True)
-class Work:
-    """What a process does with a job; sent to it, so nothing but the folder is in it."""
-
-    folder: Path
-
-    def __call__(self, settings: Mapping[str, Any]) -> dict[str, Any]:
-        """Runs the job and returns its figures."""
-        module, _, function = RUNS[str(settings["kind"])].partition(":")
-        run = getattr(importlib.import_module(f"...runs.{module}", __name__), function)
-        figures: dict[str, Any] = run(settings, self.folder)
-        return figures
+def run_job(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """What a process does with a job: runs it and returns its figures."""
+    module, _, function = RUNS[str(settings["kind"])].partition(":")
+    run = getattr(importlib.import_module(f"...runs.{module}", __name__), function)
+    figures: dict[str, Any] = run(settings, folder)
+    return figures
 
 
 def version_of(settings: Mapping[str, Any]) -> str:

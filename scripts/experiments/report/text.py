@@ -175,10 +175,10 @@ def _training(rows: Sequence[TrainingRow]) -> str:
             row.configuration,
             row.som,
             row.published,
-            f"{row.steps.mean:.0f} ({row.steps.least:.0f} to {row.steps.greatest:.0f})",
-            f"{1000 * row.seconds.mean:.2f}",
-            f"{row.error.mean:.2f}" + (" mm" if row.som.startswith("metric") else ""),
-            f"{row.used.mean:.1f}",
+            "{0.mean:.0f} ({0.least:.0f} to {0.greatest:.0f})".format(row.figures["steps"]),
+            f"{1000 * row.figures['seconds'].mean:.2f}",
+            f"{row.figures['quantization_error'].mean:.2f}" + (" mm" if row.som.startswith("metric") else ""),
+            f"{row.figures['units_used'].mean:.1f}",
         ]
         for row in sorted(rows, key=lambda row: (row.som, row.configuration))
     ]
@@ -187,5 +187,5 @@ def _training(rows: Sequence[TrainingRow]) -> str:
         f"{'reached' if done else '**not reached**'}"
         for som, done in training_reached(rows).items()
     ]
-    after = f"Over {rows[0].steps.count} local maps. {'; '.join(verdicts)}."
+    after = f"Over {rows[0].figures['steps'].count} local maps. {'; '.join(verdicts)}."
     return f"{markdown_table(header, lines)}\n\n{after}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,33 +17,26 @@ METRIC_LIMIT, PERCEPTUAL_LIMIT = 0.002, 0.003
 
 @dataclass(frozen=True, slots=True)
 class TrainingRow:
-    """One configuration of one SOM over all local maps that were measured."""
+    """One configuration of one SOM over all local maps that were measured.
+
+    figures: steps, seconds, quantization_error (in mm for metric SOMs, else a Euclidean distance of
+    luminances), units_used.
+    """
 
     configuration: str
     som: str
-    steps: Summary
-    seconds: Summary
-    error: Summary
-    used: Summary
+    figures: Mapping[str, Summary]
     published: str
 
     def to_json(self) -> dict[str, Any]:
-        """Plain values; error in mm for metric SOMs, else a Euclidean distance of luminances."""
-        summaries = {
-            "steps": self.steps,
-            "seconds": self.seconds,
-            "quantization_error": self.error,
-            "units_used": self.used,
-        }
+        """Plain values."""
+        ends = ("mean", "least", "greatest")
         return {
             "configuration": self.configuration,
             "som": self.som,
-            "local_maps": self.steps.count,
+            "local_maps": self.figures["steps"].count,
             "published": self.published,
-            **{
-                name: {end: getattr(of, end) for end in ("mean", "least", "greatest")}
-                for name, of in summaries.items()
-            },
+            **{name: {end: getattr(of, end) for end in ends} for name, of in self.figures.items()},
         }
 
 
@@ -68,8 +61,13 @@ def _row(name: str, found: Sequence[dict[str, Any]]) -> TrainingRow:
         assert summed is not None  # there is at least one
         return summed
 
-    figures = summary("steps"), summary("seconds"), summary("error", scale), summary("used")
-    return TrainingRow(configuration, som, *figures, _published(configuration, som))
+    figures = {
+        "steps": summary("steps"),
+        "seconds": summary("seconds"),
+        "quantization_error": summary("error", scale),
+        "units_used": summary("used"),
+    }
+    return TrainingRow(configuration, som, figures, _published(configuration, som))
 
 
 def _published(configuration: str, som: str) -> str:
@@ -88,6 +86,8 @@ def training_reached(rows: Sequence[TrainingRow]) -> dict[str, bool]:
         by_name = {row.configuration: row for row in rows if row.som == som}
         if len(by_name) == 3:
             ours = by_name.pop("batch")
-            others = min(row.error.mean for row in by_name.values())
-            reached[som] = ours.seconds.mean <= limit and ours.error.mean < others
+            others = min(row.figures["quantization_error"].mean for row in by_name.values())
+            figures = ours.figures
+            in_time = figures["seconds"].mean <= limit
+            reached[som] = in_time and figures["quantization_error"].mean < others
     return reached

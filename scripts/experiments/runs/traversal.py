@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -216,14 +216,9 @@ class TraversalRun:
             "driven": complete,
             "lost": self.lost,
             "end_error_m": scores.ends[-1] if complete else self._error(self.navigator.node),
-            "ends": scores.ends,
-            "slope_m": _slope(scores.ends),
-            "before": scores.before,
-            "after": scores.after,
-            "headings": scores.headings,
+            **asdict(scores),
             "corrections": scores.corrections[:200],
-            "local_units": scores.local_units,
-            "local_reached": scores.local_reached,
+            "slope_m": _slope(scores.ends),
             "local_share": scores.local_reached / scores.local_units if scores.local_units else None,
             "collisions": self.world.collisions(),
             "sim_time_s": self.world.time,

@@ -27,8 +27,9 @@ from ....agent.events import Stuck
 from ....agent.localization.localizer import Localizer
 from ....agent.navigation.recovery import PATIENCE, TIME_PER_METER
 from ....world.arenas.catalog import find_world
-from ....world.geometry import Plan, cast
+from ....world.geometry import Plan
 from ....world.robot import EPUCK, Pose
+from ....world.starts import is_walled_in
 from ...session.simulation import Simulation
 from .over_map import LOST_BEYOND, mapped_for, read_map, simulated_as
 
@@ -100,9 +101,5 @@ def drop_pose(plan: Plan, drop: str, seed: int) -> Pose:
 
 def _inside(plan: Plan, x: float, y: float) -> bool:
     """Whether there are walls all around and nothing overlaps the robot."""
-    if plan.contains(x, y) or plan.clearance(x, y) < EPUCK.body_radius:
-        return False
-    turns = np.linspace(0.0, math.tau, 36, endpoint=False) + 0.01
-    directions = np.stack((np.cos(turns), np.sin(turns)), 1)
-    origins = np.broadcast_to(np.array((x, y)), directions.shape)
-    return bool(np.isfinite(cast(origins, directions, plan.segments)).all())
+    overlaps = plan.contains(x, y) or plan.clearance(x, y) < EPUCK.body_radius
+    return not overlaps and is_walled_in(plan, x, y)

@@ -11,7 +11,7 @@ from typing import Any
 
 from ..campaign.campaign import Job
 from ..campaign.jobs import mapping_job, seeds
-from ..results.scores import Runs, driven, runs_table, score_values, with_failures
+from ..results.scores import Runs, driven, runs_table, with_failures
 from ..results.summary import share
 from ..worlds.names import RANDOM
 from ..worlds.random_rooms import KINDS
@@ -59,10 +59,8 @@ def _drawn(
         return _report(drives.found(asked, results), drawn, planned, bent)
 
     def values(asked: Asked, results: Results) -> Any:
-        by_kind = drives.found(asked, results)
-        good, total = _done(list(by_kind.values()))
-        kinds = {kind: score_values(runs) for kind, runs in by_kind.items()}
-        return {"done": good, "of": total, "kinds": kinds}
+        good, total = _done(list(drives.found(asked, results).values()))
+        return {"done": good, "of": total, "kinds": drives.values(asked, results)}
 
     return Study(name, title, drives.stages, report, values)
 

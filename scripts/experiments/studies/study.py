@@ -14,7 +14,7 @@ from ..campaign.campaign import Job, Result
 from ..campaign.jobs import mapping_job, seeds, trip_job
 from ..campaign.kinds import ENVIRONMENTS, FIRST_SEED
 from ..campaign.running import ALONE, Running
-from ..results.scores import Runs
+from ..results.scores import Runs, score_values
 
 Results = Mapping[str, Result]
 """By job key."""
@@ -118,3 +118,7 @@ class MapAndDrive:
             return Runs(*([result for _, result in finished(group, results)] for group in (jobs, *driven)))
 
         return {name: runs(jobs) for name, jobs in self.mappings(asked).items()}
+
+    def values(self, asked: Asked, results: Results) -> dict[str, Any]:
+        """The scores of what has finished, by name, as JSON values."""
+        return {name: score_values(runs) for name, runs in self.found(asked, results).items()}

@@ -5,11 +5,9 @@ Each map is driven by runs of its own: a map a seed, then its five traversals wi
 
 from __future__ import annotations
 
-from typing import Any
-
 from ..campaign.campaign import Job
 from ..campaign.kinds import ENVIRONMENTS
-from ..results.scores import SCORES, Runs, driven, kept, runs_table, score_values, with_failures
+from ..results.scores import SCORES, Runs, driven, kept, runs_table, with_failures
 from ..worlds.named import CHANGES
 from ..worlds.names import NOISE_SCALE, split
 from .study import Asked, MapAndDrive, Results, Study, mappings_of
@@ -61,10 +59,6 @@ def _report(asked: Asked, results: Results) -> str:
     return with_failures([text, table], found)
 
 
-def _values(asked: Asked, results: Results) -> Any:
-    return {world: score_values(runs) for world, runs in _DRIVES.found(asked, results).items()}
-
-
 VARIANTS = Study(
-    "variants", "Variants of the environments, and imported worlds", _DRIVES.stages, _report, _values
+    "variants", "Variants of the environments, and imported worlds", _DRIVES.stages, _report, _DRIVES.values
 )
