@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from ...world.robot import Pose, wrap_angle
-from ..errors import did_you_mean
+from ..errors import UsageError, did_you_mean
 
 if TYPE_CHECKING:
     from ..session.requests import RunSettings
@@ -17,6 +17,13 @@ if TYPE_CHECKING:
 R = TypeVar("R", bound="RunSettings")
 NOISES = ("none", "encoder", "thesis")
 PROFILES = ("default", "thesis")
+LINKS = ("ideal", "calm", "published")
+_ONLY_SIMULATED = {
+    "resume": "a robot behind a link cannot be put back to where it was",
+    "record": "what came over a link cannot be replayed yet",
+    "start": "carry the robot to where it is to begin",
+    "at": "say by --from at which node it stands, or --lost",
+}
 PICTURES = (".png", ".svg", ".pdf")
 
 
@@ -160,6 +167,36 @@ def add_simulation(parser: argparse.ArgumentParser) -> None:
     )
     add_scale(group)
     add_json(parser)
+
+
+def add_robot(parser: argparse.ArgumentParser) -> None:
+    """Adds the options for robots behind a link."""
+    group = parser.add_argument_group("robot behind a link (docs/robots.md)")
+    either = group.add_mutually_exclusive_group()
+    either.add_argument(
+        "--robot",
+        metavar="ADDRESS",
+        help="drive the e-puck2 at tcp://HOST:PORT, or what speaks its protocol; nothing is simulated",
+    )
+    either.add_argument(
+        "--link",
+        type=one_of(*LINKS),
+        metavar="NAME",
+        help="drive the simulated robot over a modelled radio link: ideal, calm or published (with stalls)",
+    )
+    group.add_argument(
+        "--calibration", type=Path, metavar="FILE", help="what `tolman calibrate` measured of that robot"
+    )
+
+
+def check_robot(options: argparse.Namespace) -> None:
+    """Raises: UsageError for options that do not go together with those that `add_robot` adds."""
+    if options.calibration is not None and not (options.robot or options.link):
+        raise UsageError("--calibration is for a robot behind a link: give --robot or --link too")
+    for by, excluded in (("robot", tuple(_ONLY_SIMULATED)), ("link", ("resume", "record"))):
+        for name in excluded if getattr(options, by) else ():
+            if getattr(options, name, None):
+                raise UsageError(f"--{by} and --{name} do not go together: {_ONLY_SIMULATED[name]}")
 
 
 def request_of(kind: type[R], options: argparse.Namespace) -> R:

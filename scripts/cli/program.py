@@ -36,6 +36,8 @@ COMMANDS = {
     "view": ("view:COMMAND", "open that page in a browser"),
     "plugins": ("plugins:COMMAND", "list, check, write and draw behaviors"),
     "experiment": ("experiment:COMMAND", "measure it against the published figures"),
+    "serve": ("robots.serve:COMMAND", "let programs for a real e-puck2 drive a simulated one"),
+    "calibrate": ("robots.calibrate:COMMAND", "measure infrared sensors and wheels of one robot"),
 }
 """Command -> (module of `commands` with the `Command` in it, its line in --help), so that help loads none."""
 

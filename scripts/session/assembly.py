@@ -16,7 +16,10 @@ from ...agent.navigation.corners import Navigator
 from ...agent.navigation.published import ThesisNavigationConfig, ThesisNavigator
 from ...plugins.discovery import build_behaviors
 from ...world import World, WorldSpec, open_world
-from ...world.robot import Pose, Robot
+from ...world.link.model import find_timings
+from ...world.link.opening import behind_link, connect
+from ...world.link.units import E_PUCK2
+from ...world.robot import EPUCK, Pose, Robot
 from ..errors import SessionError
 
 if TYPE_CHECKING:
@@ -36,10 +39,16 @@ def make_world(
 ) -> World:
     """Opens a world (name, path, description) with a run's noise and robot model. Raises: WorldError.
 
-    noise_values: values on top of the preset that the settings name.
+    noise_values: values on top of the preset that the settings name. With a robot's address in the settings
+    nothing is simulated, and `world` is what the robot's surroundings are called.
     """
+    if settings.robot is not None:
+        place = world if isinstance(world, str) else world.name
+        return connect(settings.robot, place, settings.seed, settings.calibration)
     noise: Any = {"preset": settings.noise, **noise_values} if noise_values else settings.noise
-    return open_world(
+    if settings.link is not None:
+        find_timings(settings.link)
+    opened = open_world(
         world,
         seed=settings.seed,
         noise=noise,
@@ -48,7 +57,11 @@ def make_world(
         engine=settings.engine,
         start=start,
         scale=settings.scale,
+        geometry=EPUCK if settings.link is None else E_PUCK2,
     )
+    if settings.link is None:
+        return opened
+    return behind_link(opened, settings.link, settings.seed, settings.calibration)
 
 
 def make_agent(

@@ -19,7 +19,7 @@ from ...maps.storage.map_file import RUN
 from ..errors import SessionError
 from ..plain import plain, report_values
 from .assembly import make_mapper
-from .truth import node_truth, run_truth
+from .truth import is_known, node_truth, run_truth
 
 if TYPE_CHECKING:
     from ...agent.goals import LocalSamples
@@ -207,7 +207,8 @@ class Mapping:
         if self._writer is not None:
             self.map.meta = replace(self.map.meta, current_node=node, arrival=self.request.side)
             truth = plain(node_truth(self.observer.nodes[node], self.observer.track))
-            self._writer.commit(node, plain(self._state()), {node: truth, RUN: self._run_truth()})
+            rows = {**({node: truth} if truth else {}), RUN: self._run_truth()}
+            self._writer.commit(node, plain(self._state()), rows)
             self.observer.track = []
 
     def rest(self, nodes: Sequence[int], arcs: Sequence[ArcKey]) -> None:
@@ -295,7 +296,7 @@ class Mapping:
             arcs=graph.number_of_edges(),
             local_maps=sum(data["local_map"] is not None for _, data in graph.nodes(data=True)),
             loop_closed=self.loop_correct is not None,
-            loop_correct=self.loop_correct,
+            loop_correct=self.loop_correct if is_known(self.observer.pose) else None,
             reason="" if self.outcome is None else self.outcome.reason,
             loop_distance_m=mapped,
             true_loop_distance_m=true,

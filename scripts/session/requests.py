@@ -36,7 +36,9 @@ class RunSettings:
 
     noise: a preset's name or values. config: a YAML file of settings. plugins: folders of behaviors.
     scale: what the lengths of a world from a file are multiplied by. isolate: whether the behaviors of the
-    plugin folders run in subprocesses.
+    plugin folders run in subprocesses. robot: the address of a robot to drive in place of a simulated one.
+    link: the model of a radio link to drive the simulated one over. calibration: what was measured of the
+    robot behind either, a file.
     """
 
     seed: int = 0
@@ -49,6 +51,9 @@ class RunSettings:
     engine: str = "dart"
     scale: float = 1.0
     isolate: bool = False
+    robot: str | None = None
+    link: str | None = None
+    calibration: Path | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -127,6 +132,8 @@ class Start:
 
 def world_of_trip(request: GoRequest, meta: MapMeta) -> str:
     """Name or path of the world to drive in. Raises: SessionError if it is not the map's, WorldError."""
+    if request.robot is not None:
+        return request.world or meta.world
     if request.world is None and meta.world not in built_in_worlds():
         raise SessionError(f"{request.map}: made in a world file called {meta.world!r}; name it with --world")
     name = request.world or meta.world
@@ -144,6 +151,8 @@ def world_of_trip(request: GoRequest, meta: MapMeta) -> str:
 def start_of_trip(request: GoRequest, hybrid_map: HybridMap, truth: Truth) -> Start:
     """Where a trip begins. Raises: SessionError, MapError."""
     meta = hybrid_map.meta
+    if request.robot is not None:
+        return _start_of_real_robot(request, hybrid_map)
     if request.at is not None:
         return Start(request.at, None, meta.side)
     if request.lost:
@@ -156,6 +165,20 @@ def start_of_trip(request: GoRequest, hybrid_map: HybridMap, truth: Truth) -> St
     if meta.current_node is None or "pose" not in truth.run:
         raise SessionError(f"{request.map}: the file does not say where its robot was; use --from or --at")
     return Start(Pose(*truth.run["pose"]), meta.current_node, meta.arrival or meta.side)
+
+
+def _start_of_real_robot(request: GoRequest, hybrid_map: HybridMap) -> Start:
+    """Nobody knows its pose: where it stands is told by node, or found out."""
+    meta = hybrid_map.meta
+    if request.at is not None:
+        raise SessionError("--at puts a simulated robot; say by --from at which node yours stands, or --lost")
+    if request.lost:
+        return Start(Pose(), None, meta.side)
+    node = meta.current_node if request.origin is None else hybrid_map.find(request.origin)
+    if node is None:
+        raise SessionError(f"{request.map}: the file does not say where its robot was; use --from or --lost")
+    arrival = meta.side if request.origin is not None else meta.arrival or meta.side
+    return Start(Pose(), node, arrival)
 
 
 def _anywhere(request: GoRequest, hybrid_map: HybridMap, truth: Truth) -> Pose:
@@ -184,6 +207,8 @@ def start_of_mission(request: MissionRequest) -> tuple[str, Pose | None]:
         if request.world is None:
             raise MissionError("say in which world the mission runs (--world), or give a map (--map)")
         return request.world, request.start
+    if request.robot is not None:
+        return request.world or HybridMap.load(request.map).meta.world, None
     run = read_truth(request.map).run
     if "pose" not in run:
         raise MapError(f"{request.map}: the file does not say where its robot was")

@@ -5,6 +5,7 @@ Only scripts/ know it; the agent and its HybridMap never do.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -109,7 +110,9 @@ class Observer:
         if not self._mapping:
             return
         pose, track = self.pose, self.track
-        if not track or abs(pose.x - track[-1][0]) + abs(pose.y - track[-1][1]) > TRACK_STEP:
+        if is_known(pose) and (
+            not track or abs(pose.x - track[-1][0]) + abs(pose.y - track[-1][1]) > TRACK_STEP
+        ):
             track.append((pose.x, pose.y))
 
     def _on_corner(self, event: CornerReached) -> None:
@@ -135,8 +138,10 @@ class TrueRun:
 def node_truth(pose: Pose, track: Iterable[tuple[float, float]]) -> dict[str, Any]:
     """What is kept with one node, as JSON: its true pose (m, rad) and the track since the node before (m).
 
-    Rounded to 0.1 mm and 1e-6 rad: enough to draw and to score, and short.
+    Rounded to 0.1 mm and 1e-6 rad: enough to draw and to score, and short. Nothing where nobody knows it.
     """
+    if not is_known(pose):
+        return {}
     return {
         "pose": [round(pose.x, 6), round(pose.y, 6), round(pose.heading, 6)],
         "track": _short(track),
@@ -145,14 +150,19 @@ def node_truth(pose: Pose, track: Iterable[tuple[float, float]]) -> dict[str, An
 
 def run_truth(track: Iterable[tuple[float, float]], pose: Pose | None = None) -> dict[str, Any]:
     """What is kept about a run as a whole, as JSON: the track (m) after its last node, and where it ended."""
-    where = {} if pose is None else {"pose": [pose.x, pose.y, pose.heading]}
+    where = {} if pose is None or not is_known(pose) else {"pose": [pose.x, pose.y, pose.heading]}
     return {"track": _short(track), **where}
+
+
+def is_known(pose: Pose) -> bool:
+    """Whether it is a pose at all: that of a real robot is not a number."""
+    return math.isfinite(pose.x)
 
 
 def map_truth(observer: Observer, nodes: Iterable[int]) -> dict[int, dict[str, Any]]:
     """The rows of a map that is saved as a whole: where its nodes are and where the robot is, no track."""
     rows = {node: node_truth(observer.nodes[node], ()) for node in nodes if node in observer.nodes}
-    return {**rows, RUN: run_truth((), observer.pose)}
+    return {**{node: row for node, row in rows.items() if row}, RUN: run_truth((), observer.pose)}
 
 
 def poses_of(truth: Truth) -> dict[int, Pose]:

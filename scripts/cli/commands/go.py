@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..command import Command
 from ..live import add_live, watched
-from ..options import add_simulation, node, number, pose, request_of
+from ..options import add_robot, add_simulation, check_robot, node, number, pose, request_of
 from ..output import check_input, check_output, print_json, progress_line
 
 DESCRIPTION = """Loads a map and drives to one of its nodes. Without --from, --at or --lost the robot
@@ -42,10 +42,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_live(parser)
     add_simulation(parser)
+    add_robot(parser)
 
 
 def run(options: argparse.Namespace) -> int:
     """Drives and reports."""
+    check_robot(options)
     check_input(options.map, "map")
     if options.config is not None:
         check_input(options.config, "file of settings")

@@ -8,7 +8,18 @@ from typing import TYPE_CHECKING
 
 from ..command import Command
 from ..live import add_live, watched
-from ..options import add_force, add_simulation, integer, number, one_of, picture, pose, request_of
+from ..options import (
+    add_force,
+    add_robot,
+    add_simulation,
+    check_robot,
+    integer,
+    number,
+    one_of,
+    picture,
+    pose,
+    request_of,
+)
 from ..output import check_input, check_output, print_json, progress_line
 
 if TYPE_CHECKING:
@@ -18,7 +29,8 @@ DESCRIPTION = """Explores a world that the robot does not know by following its 
 and saves it as it goes. The mapping ends when the robot is back where it began and knows it.
 
 WORLD is the name of a built-in world (see `tolman worlds`) or a file: a world's YAML, a ROS map's
-YAML, a maze drawn in text (.txt) or a Webots world (.wbt)."""
+YAML, a maze drawn in text (.txt) or a Webots world (.wbt). With --robot it is
+what the map calls the place."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -62,10 +74,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_live(parser)
     add_simulation(parser)
+    add_robot(parser)
 
 
 def check(options: argparse.Namespace) -> None:
     """Checks the files that the options name before anything is simulated. Raises: UsageError."""
+    check_robot(options)
     if options.resume:
         check_input(options.output, "map to resume")
     check_output(
@@ -92,7 +106,7 @@ def run(options: argparse.Namespace) -> int:
         if options.figure is not None:
             from ...drawing.map_picture import plot_map
 
-            plot_map(options.output, options.figure, options.world, options.scale)
+            plot_map(options.output, options.figure, None if options.robot else options.world, options.scale)
     return tell(report, options)
 
 
@@ -107,10 +121,13 @@ def tell(report: MapReport, options: argparse.Namespace) -> int:
             f"{options.output}: {values['nodes']} nodes, {values['arcs']} arcs, "
             f"{values['local_maps']} local maps; {closed} ({values['reason']})"
         )
-        print(
-            f"{values['sim_time_s']:.0f} s simulated in {values['wall_time_s']:.1f} s; "
-            f"ticks touching a wall: {values['collisions']}"
-        )
+        if options.robot is None:
+            print(
+                f"{values['sim_time_s']:.0f} s simulated in {values['wall_time_s']:.1f} s; "
+                f"ticks touching a wall: {values['collisions']}"
+            )
+        else:
+            print(f"driven by {options.robot} in {values['wall_time_s']:.0f} s")
         if options.islands:
             print(f"{values['islands']} islands found by {values['forays']} forays: {values['scouted']}")
         if options.figure is not None:

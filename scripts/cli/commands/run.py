@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from ....files.messages import printable
 from ..command import Command
 from ..live import add_live, watched
-from ..options import add_force, add_simulation, number, pose, request_of
+from ..options import add_force, add_robot, add_simulation, check_robot, number, pose, request_of
 from ..output import check_input, check_output, print_json, progress_line, stdout_to_stderr
 
 if TYPE_CHECKING:
@@ -42,10 +42,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_force(parser)
     add_live(parser)
     add_simulation(parser)
+    add_robot(parser)
 
 
 def run(options: argparse.Namespace) -> int:
     """Runs or shows the mission. Status 1: it failed, was cancelled, or the dry run found problems."""
+    check_robot(options)
     check_input(options.mission, "mission")
     if options.map is not None:
         check_input(options.map, "map")
