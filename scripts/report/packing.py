@@ -9,6 +9,7 @@ the difference to the one before.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -34,7 +35,7 @@ class Series:
     def differences(self) -> NDArray[Any]:
         """(n,) the differences, of the smallest type of integers that holds them all."""
         values = np.nan_to_num(np.asarray(self.values, dtype=np.float64), posinf=0.0, neginf=0.0)
-        whole = np.clip(np.rint(values / self.step), -(2**30), 2**30).astype(np.int64)
+        whole = np.clip(np.rint(values / self.step), -(2**29), 2**29).astype(np.int64)
         return smallest(np.diff(whole, prepend=0))
 
 
@@ -48,7 +49,10 @@ def smallest(values: NDArray[np.int64]) -> NDArray[Any]:
 
 
 def pack(value: Any) -> bytes:
-    """The value, with the arrays and series in it, as bytes. Same value, same bytes."""
+    """The value, with the arrays and series in it, as bytes. Same value, same bytes.
+
+    A float that is not finite becomes null.
+    """
     arrays: list[bytes] = []
     size = 0
 
@@ -62,7 +66,8 @@ def pack(value: Any) -> bytes:
         if isinstance(item, Series):
             item, further = item.differences(), {"delta": 1, "step": item.step}
         if not isinstance(item, np.ndarray):
-            return item.item() if isinstance(item, np.generic) else item
+            item = item.item() if isinstance(item, np.generic) else item
+            return None if isinstance(item, float) and not math.isfinite(item) else item
         data = np.ascontiguousarray(item).astype(item.dtype.newbyteorder("<")).tobytes()
         if item.dtype.char not in _TYPES:
             raise ValueError(f"arrays of {item.dtype} are not packed")

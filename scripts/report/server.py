@@ -72,6 +72,8 @@ class PageServer:
     def __init__(self, page: str, port: int = 0, feed: Feed | None = None) -> None:
         """port: 0 takes any that is free. Raises: UsageError for one that cannot be had."""
         self._page, self._feed = page.encode(), feed
+        if not 0 <= port < 1 << 16:
+            raise UsageError(f"port {port}: there are those from 0 to 65535")
         try:
             self._server = ThreadingHTTPServer((HOST, port), self._handler())
         except OSError as fault:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ...agent.containment import describe
 from ...agent.errors import RecordingError
 from ...agent.recording.reader import MAGIC, RecordedTick, Recording, read_recording
 from ...files.reading import open_regular
@@ -52,7 +53,12 @@ def read_subject(path: Path, map_file: Path | None = None, world: str | None = N
         if map_file is not None:
             raise UsageError(f"--map goes with a recording, and {path} is none")
         return map_subject(path, world)
-    return run_subject(path, map_file, world)
+    try:
+        return run_subject(path, map_file, world)
+    except (TypeError, ValueError, LookupError, AttributeError, OverflowError) as fault:
+        if type(fault).__module__.startswith("tolman."):
+            raise  # it says in one line what is wrong; the others come of a recording that holds anything
+        raise RecordingError(f"{path}: it holds what no page can show ({describe(fault)})") from fault
 
 
 def map_subject(path: Path, world: str | None = None) -> Subject:
@@ -149,8 +155,15 @@ def _walls(header: Mapping[str, Any], world: str | None) -> list[list[list[float
 
 
 def _behaviors(header: Mapping[str, Any]) -> list[Any]:
+    """The behaviors that the recording describes, as far as they are what `described` makes."""
     found = header.get("behaviors", [])
-    return found if isinstance(found, list) else []
+    kinds = {"name": str, "priority": int, "about": str, "settings": dict, "states": list, "initial": str}
+    kinds |= {"edges": list, "children": dict}
+    return [
+        each
+        for each in (found if isinstance(found, list) else ())
+        if isinstance(each, dict) and all(isinstance(each.get(name), kind) for name, kind in kinds.items())
+    ]
 
 
 def _map_of(

@@ -46,13 +46,14 @@ export class Player {
     this.button.innerHTML = this.playing ? "&#10074;&#10074;" : "&#9654;";
     this.button.setAttribute("aria-label", this.playing ? "Pause" : "Play");
     this.last = performance.now();
-    if (this.playing) requestAnimationFrame((now) => this.frame(now));
+    cancelAnimationFrame(this.waited);
+    if (this.playing) this.waited = requestAnimationFrame((now) => this.frame(now));
     else this.toAddress();
   }
 
   frame(now) {
     if (!this.playing) return;
-    const passed = Math.min(0.25, (now - this.last) / 1000);
+    const passed = Math.max(0, Math.min(0.25, (now - this.last) / 1000));
     this.last = now;
     this.frames++;
     const { app } = this;
@@ -62,7 +63,7 @@ export class Player {
       return this.toggle(false);
     }
     app.move(Math.min(time, app.run.end));
-    requestAnimationFrame((next) => this.frame(next));
+    this.waited = requestAnimationFrame((next) => this.frame(next));
   }
 
   draw() {

@@ -61,6 +61,18 @@ def test_it_follows_the_wall_until_the_corners_met_leave_one_node() -> None:
     assert not search.agent.is_active("wall-following")
 
 
+def test_while_it_finds_out_it_tells_how_likely_each_node_is() -> None:
+    search = Search()
+    assert sum(search.agent.belief().values()) == pytest.approx(1.0)
+    search.corner(0.2)
+    search.corner(LENGTHS[2])
+    belief = search.agent.belief()
+    assert belief.keys() == set(range(len(LENGTHS)))
+    assert max(belief, key=belief.__getitem__) == 3
+    search.localizer.stop()
+    assert search.agent.belief() == {}
+
+
 def test_stopped_it_hears_no_more_and_tells_nobody() -> None:
     search = Search()
     search.corner(0.2)

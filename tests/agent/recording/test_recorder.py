@@ -94,6 +94,15 @@ def test_everything_comes_back_as_it_was(tmp_path: Path) -> None:
     assert any("BehaviorStarted" in event for event in first.events)
 
 
+def test_what_the_agent_believed_and_the_states_of_its_behaviors_are_kept(tmp_path: Path) -> None:
+    record(tmp_path / "run.mcap")
+    ticks = read_recording(tmp_path / "run.mcap").ticks
+    assert ticks[0].states == {"curious": "ON"}
+    assert all(tick.states is None for tick in ticks[1:])  # nothing has changed
+    assert ticks[0].pose == Pose()
+    assert all(tick.pose is not None for tick in ticks)
+
+
 def test_a_replay_of_the_same_agent_is_identical_to_the_bit(tmp_path: Path) -> None:
     record(tmp_path / "run.mcap")
     robot = replayed(tmp_path / "run.mcap", Curious())

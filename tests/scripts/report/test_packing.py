@@ -32,6 +32,10 @@ def test_what_is_not_finite_counts_as_zero() -> None:
     assert Series([1.0, np.nan, np.inf]).differences().tolist() == [1, -1, 0]
 
 
+def test_a_number_that_is_not_finite_becomes_nothing() -> None:
+    assert read(pack({"a": [np.nan, 1.5]}))[0] == {"a": [None, 1.5]}
+
+
 def test_an_empty_series_can_be_packed() -> None:
     told, _ = read(pack([Series([])]))
     assert told[0]["$"][2] == 0

@@ -36,6 +36,11 @@ def test_a_port_that_is_taken_is_one_line() -> None:
         PageServer("", server.port)
 
 
+def test_a_port_that_there_is_not_is_one_line() -> None:
+    with pytest.raises(UsageError, match="port 70000: there are those from 0 to 65535"):
+        PageServer("", 70_000)
+
+
 def test_who_comes_late_gets_everything_from_the_beginning() -> None:
     feed = Feed()
     feed.tell("begin", "a")

@@ -1,6 +1,12 @@
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
+from tolman.agent import Agent
+from tolman.agent.errors import RecordingError
+from tolman.agent.recording.recorder import Recorder
+from tolman.plugins.testing import ScriptedRobot, percept
 from tolman.scripts.errors import UsageError
 from tolman.scripts.report.packing import pack
 from tolman.scripts.report.subject import read_subject
@@ -47,6 +53,29 @@ def test_a_map_file_is_shown_at_the_true_places_of_its_nodes(runs: Runs) -> None
 
 def test_the_same_file_gives_the_same_bytes(runs: Runs) -> None:
     assert pack(read_subject(runs.mapping).content) == pack(read_subject(runs.mapping).content)
+
+
+def test_a_recording_that_holds_anything_is_one_line(tmp_path: Path) -> None:
+    path = tmp_path / "odd.mcap"
+    agent = Agent(ScriptedRobot([percept()]), [])
+    recorder = Recorder(path, agent, {"walls": [["a", 1]], "behaviors": [{"name": 3}], "request": {}})
+    recorder.start()
+    agent.tick()
+    recorder.close()
+    with pytest.raises(RecordingError, match=r"odd\.mcap: it holds what no page can show"):
+        read_subject(path)
+
+
+def test_a_recording_of_one_s_own_needs_no_world(tmp_path: Path) -> None:
+    path = tmp_path / "own.mcap"
+    agent = Agent(ScriptedRobot([percept(tick=tick) for tick in range(3)]), [])
+    recorder = Recorder(path, agent, {"behaviors": [{"name": 3}]})
+    recorder.start()
+    for _ in range(3):
+        agent.tick()
+    recorder.close()
+    content = read_subject(path).content
+    assert (content["walls"], content["behaviors"], content["ticks"]["count"]) == ([], [], 3)
 
 
 def test_a_second_map_beside_a_map_is_refused(runs: Runs) -> None:
