@@ -26,14 +26,14 @@ def _run(options: argparse.Namespace) -> int:
     page = page_of(options)
     from ...report.server import PageServer
 
-    with PageServer(page, options.port) as server:
-        print(f"{options.subject} at {server.address} (Ctrl-C ends it)", flush=True)
-        if not options.no_browser and _has_screen():
-            webbrowser.open(server.address)
-        try:
+    try:
+        with PageServer(page, options.port) as server:
+            print(f"{options.subject} at {server.address} (Ctrl-C ends it)", flush=True)
+            if not options.no_browser and _has_screen():
+                webbrowser.open(server.address)
             threading.Event().wait()
-        except KeyboardInterrupt:
-            print("closed", file=sys.stderr)
+    except KeyboardInterrupt:
+        print("closed", file=sys.stderr)
     return 0
 
 
