@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 Watch = Callable[["Stage"], None]
 INTERVAL = 0.25
 """Wall-clock seconds between two parts that are sent."""
-TICKS_A_SECOND = 60
+TICKS_A_SECOND = 32
 """Ticks sent in a wall-clock second, at most, beside those in which something happens."""
 _GROWS = (NodeCommitted, ArcAdded, LocalMapBuilt, LoopClosed)
 
