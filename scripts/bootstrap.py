@@ -38,6 +38,7 @@ print(json.dumps({"version": sys.version_info[:3], "sqlite": sqlite, "path": sys
 KIT = "kit"
 """The extra that every set-up has: what the tutorials use."""
 PYTEST = ["-m", "pytest", "-n", "2"]
+FAST = ["-q", "-m", "not slow and not e2e", "--hypothesis-profile=quick"]
 LINT = [
     ["-m", "ruff", "check", "."],
     ["-m", "ruff", "format", "--check", "."],
@@ -49,7 +50,7 @@ TARGETS = {
     "demo": (KIT, [["-m", "tolman.scripts.demo"]]),
     "test": ("test", [PYTEST]),
     "lint": ("dev", LINT),
-    "check": ("dev", [*LINT, [*PYTEST, "-q", "-m", "not slow and not e2e"]]),
+    "check": ("dev", [*LINT, [*PYTEST, *FAST]]),
     "docs": ("docs", [["-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", "out/site"]]),
     "matrix": ("test", [["-m", "tools.matrix"]]),
     "bench": (
