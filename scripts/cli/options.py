@@ -22,6 +22,7 @@ _ONLY_SIMULATED = {
     "resume": "a robot behind a link cannot be put back to where it was",
     "record": "what came over a link cannot be replayed yet",
     "start": "carry the robot to where it is to begin",
+    "live": "its page shows true poses, which nobody knows",
     "at": "say by --from at which node it stands, or --lost",
 }
 PICTURES = (".png", ".svg", ".pdf")
@@ -195,7 +196,7 @@ def check_robot(options: argparse.Namespace) -> None:
         raise UsageError("--calibration is for a robot behind a link: give --robot or --link too")
     for by, excluded in (("robot", tuple(_ONLY_SIMULATED)), ("link", ("resume", "record"))):
         for name in excluded if getattr(options, by) else ():
-            if getattr(options, name, None):
+            if getattr(options, name, None) not in (None, False):
                 raise UsageError(f"--{by} and --{name} do not go together: {_ONLY_SIMULATED[name]}")
 
 

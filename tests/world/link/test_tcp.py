@@ -184,6 +184,7 @@ def test_our_agent_maps_and_finds_its_way_by_a_server_in_another_process(tmp_pat
         (["map", "room", "-o", "m.tolman", "--robot", "tcp://a:1", "--start", "1,1,1"], "carry the robot"),
         (["map", "room", "-o", "m.tolman", "--robot", "tcp://a:1", "--record", "r"], "cannot be replayed"),
         (["map", "room", "-o", "m.tolman", "--link", "calm", "--record", "r"], "cannot be replayed"),
+        (["map", "room", "-o", "m.tolman", "--robot", "tcp://a:1", "--live"], "true poses"),
         (["map", "room", "-o", "m.tolman", "--robot", "nowhere"], "write tcp://HOST:PORT"),
         (["map", "room", "-o", "m.tolman", "--calibration", "c.yaml"], "give --robot or --link"),
         (["map", "room", "-o", "m.tolman", "--link", "calm", "--calibration", "c.yaml"], "c.yaml"),
