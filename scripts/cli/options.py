@@ -196,7 +196,8 @@ def check_robot(options: argparse.Namespace) -> None:
         raise UsageError("--calibration is for a robot behind a link: give --robot or --link too")
     for by, excluded in (("robot", tuple(_ONLY_SIMULATED)), ("link", ("resume", "record"))):
         for name in excluded if getattr(options, by) else ():
-            if getattr(options, name, None) not in (None, False):
+            value = getattr(options, name, None)
+            if value is not None and value is not False:  # a port may be 0
                 raise UsageError(f"--{by} and --{name} do not go together: {_ONLY_SIMULATED[name]}")
 
 
