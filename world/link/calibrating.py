@@ -22,6 +22,8 @@ TURNS = 6.0
 """Turns on the spot, by the published track."""
 DIM = 60.0
 """Counts above the lowest below which a wall is not seen well enough to measure by."""
+NEAR = 80.0
+"""Counts at rest that no baseline gives: something is near."""
 LEAST, MOST = 0.7, 1.4
 """Shares of the published track that are looked for."""
 FLOOR = 10.0
@@ -29,8 +31,15 @@ FLOOR = 10.0
 
 
 def measure_offsets(world: LinkedWorld, before: Calibration) -> Calibration:
-    """Baselines: the robot rests, and nothing is within 10 cm of it."""
+    """Baselines: the robot rests, and nothing is within 10 cm of it.
+
+    Raises: SimulationError (a run that failed) when something is.
+    """
     means = np.mean(_at_rest(world), axis=0)
+    near = [index for index, mean in enumerate(means) if mean > NEAR]
+    if near:
+        shown = ", ".join(map(str, near))
+        raise SimulationError(f"something is near infrared sensor {shown}: clear 10 cm all around it")
     return replace(before, offsets=tuple(float(each) - FLOOR for each in means))
 
 

@@ -156,6 +156,14 @@ def test_calibration_finds_offsets_gains_and_track(tmp_path: Path) -> None:
     assert found.track == pytest.approx(1.06, abs=0.005)
 
 
+def test_a_baseline_is_not_taken_by_a_wall() -> None:
+    with (
+        specimen_world(Specimen(), BY_THE_WALL, 0.0) as world,
+        pytest.raises(WorldError, match="near"),
+    ):
+        measure_offsets(world, Calibration())
+
+
 def test_a_calibration_is_read_as_it_was_written(tmp_path: Path) -> None:
 
     path = tmp_path / "c.yaml"
