@@ -302,6 +302,7 @@ def in_a_room(folder: Path, text: str, start: Pose, side: str, seed: int) -> Fol
     return follower
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("radius", [0.05, 0.08, 0.15, 0.3])
 @pytest.mark.parametrize("side", ["right", "left"])
 def test_a_pillar_is_followed_right_round_without_a_corner(tmp_path: Path, radius: float, side: str) -> None:

@@ -13,6 +13,9 @@ from tolman.plugins import BrokenPluginError, build_behaviors, discover
 from tolman.plugins.isolation.proxy import IsolatedBehavior, close_all
 from tolman.plugins.testing import ScriptedRobot, Trial, event_of, percept
 
+pytestmark = pytest.mark.slow
+"""Whole runs: left out of `make check`."""
+
 SOURCE = '''
 import ctypes, os, sys, time
 from dataclasses import dataclass

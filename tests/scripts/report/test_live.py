@@ -14,6 +14,9 @@ from tolman.scripts.session.simulation import map_world
 
 from .browser import CHROMIUM, Browser
 
+pytestmark = pytest.mark.slow
+"""Whole runs: left out of `make check`."""
+
 
 def read(text: str) -> list[tuple[str, Any]]:
     """Kind and JSON part of each thing that was sent."""

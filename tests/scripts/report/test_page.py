@@ -12,6 +12,9 @@ from tolman.scripts.report.subject import read_subject
 from .browser import CHROMIUM, Browser
 from .conftest import Runs
 
+pytestmark = pytest.mark.slow
+"""Whole runs: left out of `make check`."""
+
 needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium (apt-get install chromium)")
 
 

@@ -13,6 +13,9 @@ from tolman.scripts.report.subject import read_subject
 
 from .conftest import Runs
 
+pytestmark = pytest.mark.slow
+"""Whole runs: left out of `make check`."""
+
 
 def test_a_recorded_mapping_comes_with_the_map_that_it_made(runs: Runs) -> None:
     subject = read_subject(runs.mapping)

@@ -10,6 +10,9 @@ from tolman.scripts.session.mapping import MapReport
 from tolman.scripts.session.requests import GoRequest, MapRequest
 from tolman.scripts.session.simulation import go_to, map_world
 
+pytestmark = pytest.mark.slow
+"""Whole runs: left out of `make check`."""
+
 ROUND_POINTS = [(0.5 * math.cos(math.tau * i / 72), 0.5 * math.sin(math.tau * i / 72)) for i in range(72)]
 
 

@@ -17,6 +17,9 @@ from tolman.scripts.session.requests import GoRequest, MapRequest, SessionError
 from tolman.scripts.session.simulation import go_to, map_world
 from tolman.scripts.session.trip import GoReport
 
+pytestmark = pytest.mark.slow
+"""Whole runs: left out of `make check`."""
+
 WORLD = """\
 tolman-world: 1
 description: a room with a box that stands free

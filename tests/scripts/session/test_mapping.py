@@ -19,6 +19,9 @@ from tolman.scripts.session.requests import MapRequest, Progress, SessionError
 from tolman.scripts.session.simulation import map_world
 from tolman.world.robot import Pose
 
+pytestmark = pytest.mark.slow
+"""Whole runs: left out of `make check`."""
+
 ENV1_LOOP = 4.61
 
 

@@ -24,6 +24,9 @@ from tolman.scripts.session.stage import Stage
 from tolman.world import World
 from tolman.world.robot import Pose
 
+pytestmark = pytest.mark.slow
+"""Whole runs: left out of `make check`."""
+
 EXAMPLES = Path(__file__).parents[3] / "scripts" / "missions"
 
 

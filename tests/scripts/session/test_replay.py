@@ -15,6 +15,9 @@ from tolman.scripts.session.replay import replay
 from tolman.scripts.session.requests import GoRequest, MapRequest
 from tolman.scripts.session.simulation import go_to, map_world
 
+pytestmark = pytest.mark.slow
+"""Whole runs: left out of `make check`."""
+
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> MapRequest:

@@ -10,6 +10,9 @@ from tolman.scripts.session.requests import GoRequest, MapRequest, Progress, Ses
 from tolman.scripts.session.simulation import go_to, map_world
 from tolman.scripts.session.trip import GoReport
 
+pytestmark = pytest.mark.slow
+"""Whole runs: left out of `make check`."""
+
 
 @pytest.fixture(scope="module", params=["right", "left"])
 def env1(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:

@@ -9,6 +9,9 @@ from tolman.scripts.session.requests import GoRequest, MapRequest
 from tolman.scripts.session.simulation import go_to, map_world
 from tolman.scripts.session.trip import GoReport
 
+pytestmark = pytest.mark.slow
+"""Whole runs: left out of `make check`."""
+
 
 def mapped(world: str, side: str, path: Path) -> Path:
     map_world(MapRequest(world=world, output=path, side=side, engine="kinematic", seed=5))

@@ -16,6 +16,9 @@ from tolman.scripts.experiments.campaign.kinds import NEEDS
 from tolman.scripts.experiments.campaign.version import code_version
 from tolman.scripts.experiments.runs import mapping, over_map, training, traversal
 
+pytestmark = pytest.mark.slow
+"""Whole runs: left out of `make check`."""
+
 
 def test_the_command_writes_report_and_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     version = code_version()
