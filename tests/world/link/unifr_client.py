@@ -36,7 +36,7 @@ def client_class() -> Any:
     _stub("socketio", Client=_SocketClient)
     _stub("unifr_api_epuck.epuck.models.helper", non_max_suppression=None, plot_detection=None)
     _stub("unifr_api_epuck.epuck.models.yolo", attempt_load=None)
-    from unifr_api_epuck.epuck.epuck_wifi import WifiEpuck  # type: ignore[import-not-found]
+    from unifr_api_epuck.epuck.epuck_wifi import WifiEpuck
 
     return WifiEpuck
 
