@@ -11,9 +11,9 @@ from enum import Enum
 from typing import Any
 
 from ...agent.behavior import Behavior, Transition, check_declarations
-from ...agent.codec import decode, encode
 from ...agent.containment import describe
 from ...agent.errors import CodecError
+from ...agent.codec import decode, encode
 from ...files.messages import printable
 from ..errors import BrokenPluginError
 from ..loading import BEHAVIORS, KINDS
