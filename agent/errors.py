@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import signal
-
 
 class AgentError(Exception):
     """Base of every error the agent raises."""
@@ -57,18 +55,3 @@ class StepFailedError(AgentError, RuntimeError):
 
 class RecordingError(AgentError, ValueError):
     """A file that is no recording, or one that cannot be replayed here."""
-
-
-class UserInterrupt(KeyboardInterrupt):
-    """The user ends the run, by Ctrl-C or a signal that asks a process to end; no plugin's fault."""
-
-
-def ends_run(fault: BaseException) -> bool:
-    """Whether what came out of a plugin's code is the user's wish to end, not a fault of the plugin.
-
-    A bare KeyboardInterrupt may be either where Python's own handler of Ctrl-C is in force: then it ends.
-    """
-    if isinstance(fault, UserInterrupt):
-        return True
-    ambiguous = signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    return isinstance(fault, KeyboardInterrupt) and ambiguous

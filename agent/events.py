@@ -9,10 +9,8 @@ from __future__ import annotations
 import logging
 from collections import defaultdict
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, is_dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
-
-from .errors import ends_run
 
 _log = logging.getLogger(__name__)
 
@@ -244,47 +242,6 @@ class PluginEvent(Event):
     data: Mapping[str, Any] = field(default_factory=dict)
 
 
-DEPTH, MOST = 20, 100_000
-"""Levels and values of what is published or returned as a result."""
-_SIMPLE = (bool, int, float, str, type(None))
-
-
-def check_event(event: Any) -> None:
-    """Raises TypeError or ValueError, saying why, for what cannot be published by a plugin."""
-    cls = type(event)
-    if not issubclass(cls, Event) or type(cls) is not type:
-        raise TypeError(f"only events can be published, not {cls.__name__}")
-    check_plain(event)
-
-
-def check_plain(value: Any) -> None:
-    """Raises ValueError for a value that contains itself or far too much, as nobody could keep it."""
-    level, count = [value], 0
-    for _ in range(DEPTH):
-        level = [part for each in level for part in _parts(each)]
-        count += len(level)
-        if not level:
-            return
-        if count > MOST:
-            break
-    raise ValueError(f"an event or a result holds more than {DEPTH} levels or {MOST} values, or itself")
-
-
-def _parts(value: Any) -> list[Any]:
-    """What a container holds that may hold more."""
-    if is_dataclass(value) and not isinstance(value, type):
-        held: Any = [getattr(value, each.name) for each in fields(value)]
-    elif isinstance(value, Mapping):
-        held = value.values()
-    elif isinstance(value, list | tuple | set | frozenset):
-        held = value
-    else:
-        return []
-    if len(held) > MOST:
-        raise ValueError(f"an event or a result holds more than {MOST} values")
-    return [part for part in held if type(part) not in _SIMPLE]
-
-
 E = TypeVar("E", bound=Event)
 Handler = Callable[[Any], None]
 
@@ -372,9 +329,7 @@ class EventBus:
             return
         try:
             subscription.handler(event)
-        except BaseException as fault:
-            if ends_run(fault):
-                raise
+        except (Exception, SystemExit) as fault:
             subscription.cancel()
             kind = type(event).__name__
             _log.error(

@@ -8,18 +8,16 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Callable
-from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..world.robot import Image, Percept, RobotGeometry
-from .behavior import Behavior, Context, Proposal
-from .containment import LONGEST, Watchdog, check_proposal, describe
-from .errors import EventFloodError, SubscriptionLeakError, ends_run
-from .events import Event, EventBus, Subscription, check_event, check_plain
-from .listener import Outcome
+from ..world.robot import Image, RobotGeometry
+from .behavior import Behavior, Context
+from .containment import Watchdog
+from .errors import EventFloodError, SubscriptionLeakError
+from .events import Event, EventBus, Subscription
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,20 +39,7 @@ class Limits:
 class BehaviorHandle:
     """The agent's side of one behavior. A broken limit is raised at once, and kept in `broken`."""
 
-    __slots__ = (
-        "_bus",
-        "_events",
-        "_limits",
-        "_stop_watch",
-        "_watch",
-        "_wildest",
-        "behavior",
-        "broken",
-        "context",
-        "name",
-        "priority",
-        "restarts",
-    )
+    __slots__ = ("_bus", "_events", "_limits", "_watch", "behavior", "broken", "context", "name")
 
     def __init__(
         self,
@@ -67,11 +52,8 @@ class BehaviorHandle:
         seed: np.random.SeedSequence,
     ) -> None:
         """seed: the agent's; the behavior's own is derived from it and the name."""
-        cls = type(behavior)
-        self.behavior = behavior  # what it declares is taken once: later it is only asked under watch
-        self.name, self.priority, self.restarts = cls.name, cls.priority, bool(cls.restarts)
-        self._stop_watch = nullcontext() if cls.slow_start else watch
-        self._wildest = limits.wild * geometry.max_speed
+        self.behavior = behavior
+        self.name = behavior.name
         self.broken: Exception | None = None
         self._bus, self._limits, self._watch, self._events = bus, limits, watch, 0
         self.context = Context(
@@ -90,56 +72,10 @@ class BehaviorHandle:
         self._events = 0
         return own
 
-    # --- all that runs the behavior's own code; each may raise anything, `end` nothing -----------------
-
-    def start(self, goal: Any) -> Any:
-        """Starts it; returns the goal as it was fitted."""
-        with self._stop_watch:
-            self.behavior.start(goal, self.context)
-            return self.behavior.goal
-
-    def ask(self, percept: Percept) -> Proposal | None:
-        """What it proposes in this tick, checked; None too where it has finished."""
-        behavior = self.behavior
-        with self._watch:
-            if behavior.finished:
-                return None
-            proposal = behavior.propose(percept, self.context)
-        if self.broken is not None:
-            raise self.broken
-        if proposal is not None:
-            check_proposal(proposal, self._wildest)
-        return proposal
-
-    def ended(self) -> Outcome | None:
-        """How it ended, None while it has not."""
-        behavior = self.behavior
-        with self._watch:
-            if not behavior.finished:
-                return None
-            result = behavior.result
-            check_plain(result)
-            return Outcome(bool(behavior.succeeded), result, str(behavior.reason)[:LONGEST])
-
-    def end(self) -> str:
-        """Stops it and ends its subscriptions; what went wrong, or nothing."""
-        problem = ""
-        try:
-            with self._stop_watch:
-                self.behavior.stop(self.context)
-        except BaseException as fault:
-            if ends_run(fault):
-                raise
-            problem = describe(fault)
-        finally:
-            self.release()
-        return problem
-
-    # --- what it may do --------------------------------------------------------------------------------
-
     def publish(self, event: Event) -> bool:
         """Queues an event. Raises: EventFloodError beyond the limit, TypeError for what is no event."""
-        check_event(event)
+        if not isinstance(event, Event):
+            raise TypeError(f"only events can be published, not {type(event).__name__}")
         self._events += 1
         if self._events > self._limits.events:
             self.broken = EventFloodError(f"more than {self._limits.events} events in one tick")

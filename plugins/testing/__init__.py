@@ -1,6 +1,5 @@
 """The test kit: a behavior alone, step by step, without physics."""
 
-from ..trial import FAR, ScriptedRobot, Trial, percept
 from .assertions import (
     assert_drives_forward,
     assert_event_order,
@@ -11,6 +10,7 @@ from .assertions import (
     assert_valid,
     event_of,
 )
+from .trial import FAR, ScriptedRobot, Trial, percept
 
 __all__ = [
     "FAR",

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from ...agent import Agent, Behavior
 from ...maps.meta import MapMeta
-from ...plugins.discovery import Catalog, load_mediator
+from ...plugins.discovery import load_mediator
 from ...world.geometry import Plan
 from ...world.robot import STOP, Pose
-from .assembly import find_plugins, make_agent
+from .assembly import make_agent
 from .profiles import Profile, find_profile
 from .requests import Progress, RunSettings, SessionError
 from .settings import configured, mediator_of
@@ -69,7 +69,6 @@ class Stage:
         self.places: Mapping[int, Pose] = {}
         self._progress = progress
         self._looked = -math.inf
-        self._catalog: Catalog | None = None
         try:
             self.profile = configured(profile or find_profile(settings.profile), self.options)
             self._bounds = _bounds(world)
@@ -115,13 +114,9 @@ class Stage:
     def _add_robot(self, behaviors: Iterable[Behavior]) -> None:
         index = len(self.agents)
         name, values = mediator_of(self.options)
+        mediator = load_mediator(name, self.settings.plugins, values)
         configs, robot = self.options.get("behaviors"), self.world.robots[index]
-        if self._catalog is None:
-            self._catalog = find_plugins(self.settings, self.profile, configs)
-        mediator = load_mediator(name, self._catalog, values)
-        agent = make_agent(
-            self.settings, self.profile, configs, self._catalog, mediator, robot, index, behaviors
-        )
+        agent = make_agent(self.settings, self.profile, configs, mediator, robot, index, behaviors)
         self.agents.append(agent)
         self.observers.append(Observer(self.world, agent, index))
         pose = self.world.true_pose(index)

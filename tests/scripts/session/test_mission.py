@@ -242,7 +242,7 @@ def test_an_isolated_plugin_that_ends_its_process_ends_no_mission(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("tolman.plugins.isolation.proxy.ANSWER_TIMEOUT", 60.0)
-    monkeypatch.setattr("tolman.plugins.isolation.process.START_TIMEOUT", 120.0)
+    monkeypatch.setattr("tolman.plugins.isolation.proxy.START_TIMEOUT", 120.0)
     (tmp_path / "plugins").mkdir()
     write(tmp_path / "plugins", CRASHING, "crashing.py")
     path = write(tmp_path, "steps: [on_failure: {do: {do: crashing}, otherwise: {wait: 3}}]")
