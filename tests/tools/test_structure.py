@@ -43,4 +43,3 @@ def test_no_chain_of_imports_is_too_long_and_none_is_a_circle() -> None:
     house = House.read()
     assert len(house.chain) <= MOST_CHAIN, " > ".join(house.chain)
     assert house.circles() == []
-    assert house.circles(rooms=True) == []
