@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 import numpy as np
 
+from ..files.interrupts import ends_run
 from ..world.robot import STOP, Image, Percept, Robot, WheelCommand
 from .arbitration.mediator import Candidate, Decision, Mediator
 from .arbitration.priority import PriorityMediator
 from .behavior import Behavior, Context
-from .containment import Watchdog, check_command, check_proposal, describe, state_name
-from .errors import AgentError, UnknownBehaviorError
+from .containment import Watchdog, check_command, describe, state_name
+from .errors import AgentError, ConfigError, UnknownBehaviorError
 from .estimation.odometry import PathIntegrator
 from .events import (
     BehaviorFaulted,
@@ -28,8 +29,6 @@ from .handle import BehaviorHandle, Limits
 from .listener import Listener, Updated
 
 _log = logging.getLogger(__name__)
-_FAULTS = (Exception, SystemExit)
-"""What a plugin may raise without ending the run; KeyboardInterrupt is the user's."""
 
 
 class Agent:
@@ -56,6 +55,8 @@ class Agent:
         self.robot = robot
         self.bus = EventBus(on_fault=self._handler_fault)
         self.mediator: Mediator = mediator or PriorityMediator()
+        self.first_mediator = self.mediator
+        """The one it was made with, also after it broke."""
         self.odometry = PathIntegrator(robot.geometry)
         self._listeners: tuple[Updated, ...] = ()
         seed = seed if seed is not None else np.random.SeedSequence(0)
@@ -66,18 +67,18 @@ class Agent:
             rng=np.random.default_rng(seed),
             subscribe=self.bus.subscribe,
         )
-        self._watch = Watchdog(limits.budget, limits.hang)
+        watch = Watchdog(limits.budget, limits.hang, self._rest)
+        self._hang = limits.hang
         self._wildest = limits.wild * robot.geometry.max_speed
         self._ports: dict[str, BehaviorHandle] = {}
         for behavior in behaviors:
-            if behavior.name in self._ports:
-                raise AgentError(f"two behaviors are named {behavior.name!r}: rename or leave out one")
-            self._ports[behavior.name] = BehaviorHandle(
-                behavior, self.bus, limits, self._watch, robot.geometry, self._look, seed
+            name = type(behavior).name
+            if name in self._ports:
+                raise AgentError(f"two behaviors are named {name!r}: rename or leave out one")
+            self._ports[name] = BehaviorHandle(
+                behavior, self.bus, limits, watch, robot.geometry, self._look, seed
             )
         configs = {name: port.behavior.config for name, port in self._ports.items()}
-        for port in self._ports.values():
-            port.behavior.adopt(configs)
         self._active: list[BehaviorHandle] = []
         self._suspended: set[str] = set()
         self._faults: dict[str, int] = {}
@@ -87,6 +88,13 @@ class Agent:
         self.driver: str | None = None
         self.command: WheelCommand = STOP
         self.proposals: Sequence[Candidate] = ()
+        for port in self._ports.values():
+            try:
+                port.adopt(configs)
+            except ConfigError:
+                raise
+            except BaseException as fault:
+                self._contain(port, fault)
 
     def __repr__(self) -> str:
         """`<Agent at 12.3 s, wall-following drives; active: obstacle-avoidance, wall-following; of 14>`."""
@@ -142,15 +150,14 @@ class Agent:
             port.release()
         port.renew(self.context, False)
         self._active.append(port)
-        self._active.sort(key=lambda active: (-active.behavior.priority, active.name))
+        self._active.sort(key=lambda active: (-active.priority, active.name))
         self._suspended.discard(name)
         try:
-            with self._watch_of(port.behavior):
-                port.behavior.start(goal, port.context)
-        except _FAULTS as fault:
+            fitted = port.start(goal)
+        except BaseException as fault:
             self._contain(port, fault)
             return
-        self.bus.publish(BehaviorStarted(time=self.context.time, behavior=name, goal=port.behavior.goal))
+        self.bus.publish(BehaviorStarted(time=self.context.time, behavior=name, goal=fitted))
 
     def stop(self, name: str) -> None:
         """Takes the behavior out of arbitration; no event of success or failure follows."""
@@ -217,40 +224,46 @@ class Agent:
 
     def _collect(self, percept: Percept) -> list[Candidate]:
         candidates: list[Candidate] = []
-        context, driver, watch = self.context, self.driver, self._watch
+        context, driver = self.context, self.driver
         for port in tuple(self._active):
-            name, behavior = port.name, port.behavior
-            if name in self._suspended:
-                continue
-            own = port.renew(context, name == driver)
+            suspended = port.name in self._suspended
+            if not suspended:
+                port.renew(context, port.name == driver)
             try:
-                if behavior.finished:
-                    continue
-                with watch:
-                    proposal = behavior.propose(percept, own)
-                if port.broken is not None:
-                    raise port.broken
-                if proposal is None:
-                    continue
-                check_proposal(proposal, self._wildest)
-                candidates.append(Candidate(name, behavior.priority, proposal))
-            except _FAULTS as fault:
+                proposal = port.ask(percept, suspended)
+            except BaseException as fault:
                 self._contain(port, fault)
+                continue
+            if proposal is not None:
+                candidates.append(Candidate(port.name, port.priority, proposal))
         return candidates
 
     def _arbitrate(self, proposals: Sequence[Candidate]) -> Decision:
+        mediator = self.mediator
         try:
-            decision = self.mediator.arbitrate(proposals, self.driver)
-            check_command(decision.command, self._wildest)
+            if type(mediator) is PriorityMediator:
+                return mediator.arbitrate(proposals, self.driver)
+            with Watchdog(None, self._hang, self._rest):
+                decision = mediator.arbitrate(proposals, self.driver)
+            self._check(decision)
             return decision
-        except _FAULTS as fault:
-            name = str(getattr(self.mediator, "name", type(self.mediator).__name__))
+        except BaseException as fault:
+            if ends_run(fault):
+                raise
+            name = str(getattr(type(mediator), "name", type(mediator).__name__))
             text = describe(fault)
             _log.error("mediator %s stopped: %s; going on by priority", name, text)
             self.bus.publish(MediatorFaulted(time=self.context.time, mediator=name, fault=text))
             self.mediator = PriorityMediator()
             self._halt = True
             return self.mediator.arbitrate(proposals, self.driver)
+
+    def _check(self, decision: Any) -> None:
+        if type(decision) is not Decision or type(decision.command) is not WheelCommand:
+            raise TypeError(f"arbitrate must return a Decision, not {type(decision).__name__}")
+        if type(decision.winner) not in (str, type(None)) or type(decision.reason) is not str:
+            raise TypeError("a decision's winner and reason must be texts")
+        check_command(decision.command, self._wildest)
 
     def _change_driver(self, winner: str | None, reason: str) -> None:
         wanted = {candidate.name: candidate.proposal.activation for candidate in self.proposals}
@@ -268,23 +281,29 @@ class Agent:
         self.driver = winner
 
     def _retire(self) -> None:
-        for port in [active for active in self._active if active.behavior.finished]:
-            behavior = port.behavior
+        for port in tuple(self._active):
+            if (outcome := port.outcome) is None:
+                continue
             self._leave(port)
             self.bus.publish(
                 BehaviorFinished(
                     time=self.context.time,
-                    behavior=behavior.name,
-                    succeeded=behavior.succeeded,
-                    reason=behavior.reason,
-                    result=behavior.result,
+                    behavior=port.name,
+                    succeeded=outcome.succeeded,
+                    reason=outcome.reason,
+                    result=outcome.result,
                 )
             )
 
     # --- faults --------------------------------------------------------------------------------------
 
     def _contain(self, port: BehaviorHandle, fault: BaseException) -> None:
-        """Stops a behavior that broke the contract, and the wheels for this tick."""
+        """Stops a behavior that broke the contract, and the wheels for this tick.
+
+        Raises: what it is given, where that is the user's wish to end.
+        """
+        if ends_run(fault):
+            raise fault
         name, state = port.name, state_name(port.behavior)
         self._halt = True
         self._faults[name] = self._faults.get(name, 0) + 1
@@ -297,19 +316,15 @@ class Agent:
         self.bus.publish(
             BehaviorFaulted(time=self.context.time, behavior=name, state=state, fault=text, disabled=disabled)
         )
-        if port.behavior.restarts and not disabled:
+        if port.restarts and not disabled:
             self._to_restart.append(name)
 
     def _leave(self, port: BehaviorHandle) -> None:
         if port in self._active:
             self._active.remove(port)
         self._suspended.discard(port.name)
-        try:
-            with self._watch_of(port.behavior):
-                port.behavior.stop(port.context)
-        except _FAULTS as fault:
-            _log.error("behavior %s raised in on_stop: %s", port.name, describe(fault))
-        port.release()
+        if problem := port.end():
+            _log.error("behavior %s raised in on_stop: %s", port.name, problem)
 
     def _handler_fault(self, owner: str, fault: BaseException) -> None:
         port = self._ports.get(owner)
@@ -322,8 +337,10 @@ class Agent:
             if not self.is_active(name):
                 self.start(name)
 
-    def _watch_of(self, behavior: Behavior) -> AbstractContextManager[None]:
-        return nullcontext() if behavior.slow_start else self._watch
+    def _rest(self) -> None:
+        """Stops the wheels, for a process that ends here."""
+        with contextlib.suppress(Exception):
+            self.robot.act(STOP)
 
     def _look(self) -> Image:
         return self.robot.look()

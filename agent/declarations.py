@@ -6,9 +6,12 @@ from dataclasses import dataclass, is_dataclass
 from enum import Enum
 from typing import Any
 
-from ..files.messages import unknown
+from ..files.messages import LONGEST, quoted, unknown
 from ..world.robot import WheelCommand
 from .errors import BehaviorContractError
+
+HIGHEST = 1000
+"""The highest priority; the lowest is its negative."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,8 +78,14 @@ def check(cls: type[Any], base: type[Any]) -> None:
 
     base: the class of all behaviors.
     """
-    if not cls.name:
+    name, priority = cls.name, cls.priority
+    if not name or type(name) is not str or not name.isprintable() or len(name) > LONGEST:
         raise BehaviorContractError(f"{cls.__name__}: declare a `name`, such as name = 'wall-following'")
+    if type(priority) is not int or abs(priority) > HIGHEST:
+        raise BehaviorContractError(
+            f"{name}: priority = {quoted(priority)}: give a whole number of at most {HIGHEST}; "
+            "higher is stronger"
+        )
     states = getattr(cls, "States", None)
     if not (isinstance(states, type) and issubclass(states, Enum) and len(states)):
         raise BehaviorContractError(f"{cls.name}: declare `States`, an Enum with at least one member")

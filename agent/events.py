@@ -12,6 +12,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
+from ..files.interrupts import ends_run
+
 _log = logging.getLogger(__name__)
 
 
@@ -329,7 +331,9 @@ class EventBus:
             return
         try:
             subscription.handler(event)
-        except (Exception, SystemExit) as fault:
+        except BaseException as fault:
+            if ends_run(fault):
+                raise
             subscription.cancel()
             kind = type(event).__name__
             _log.error(

@@ -7,17 +7,20 @@ plugin that draws random numbers changes nobody else's.
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..world.robot import Image, RobotGeometry
-from .behavior import Behavior, Context
-from .containment import Watchdog
+from ..files.interrupts import ends_run
+from ..world.robot import Image, Percept, RobotGeometry
+from .behavior import Behavior, Context, Proposal
+from .containment import LONGEST, Watchdog, check_plain, check_proposal, checked_event, describe
 from .errors import EventFloodError, SubscriptionLeakError
 from .events import Event, EventBus, Subscription
+from .listener import Outcome
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +42,21 @@ class Limits:
 class BehaviorHandle:
     """The agent's side of one behavior. A broken limit is raised at once, and kept in `broken`."""
 
-    __slots__ = ("_bus", "_events", "_limits", "_watch", "behavior", "broken", "context", "name")
+    __slots__ = (
+        "_bus",
+        "_events",
+        "_limits",
+        "_stop_watch",
+        "_watch",
+        "_wildest",
+        "behavior",
+        "broken",
+        "context",
+        "name",
+        "outcome",
+        "priority",
+        "restarts",
+    )
 
     def __init__(
         self,
@@ -52,15 +69,20 @@ class BehaviorHandle:
         seed: np.random.SeedSequence,
     ) -> None:
         """seed: the agent's; the behavior's own is derived from it and the name."""
-        self.behavior = behavior
-        self.name = behavior.name
+        cls = type(behavior)
+        self.behavior = behavior  # what it declares is taken once: later it is only asked under watch
+        self.name, self.priority, self.restarts = cls.name, cls.priority, bool(cls.restarts)
+        self._stop_watch = nullcontext() if cls.slow_start else watch
+        self._wildest = limits.wild * geometry.max_speed
         self.broken: Exception | None = None
+        self.outcome: Outcome | None = None
+        """How it ended, as it said when it was asked last; None while it has not."""
         self._bus, self._limits, self._watch, self._events = bus, limits, watch, 0
         self.context = Context(
             geometry=geometry,
             publish=self.publish,
             look=look,
-            rng=np.random.default_rng(_own_seed(seed, behavior.name)),
+            rng=np.random.default_rng(_own_seed(seed, self.name)),
             subscribe=self.subscribe,
         )
 
@@ -72,10 +94,61 @@ class BehaviorHandle:
         self._events = 0
         return own
 
+    # --- all that runs the behavior's own code; each may raise anything, `end` nothing -----------------
+
+    def adopt(self, configs: Mapping[str, Any]) -> None:
+        """Has it make the behaviors that it drives by."""
+        with self._stop_watch:
+            self.behavior.adopt(configs)
+
+    def start(self, goal: Any) -> Any:
+        """Starts it; returns the goal as it was fitted."""
+        with self._stop_watch:
+            self.behavior.start(goal, self.context)
+            return self.behavior.goal
+
+    def ask(self, percept: Percept, suspended: bool = False) -> Proposal | None:
+        """What it proposes in this tick, checked; None too where it has finished: `outcome` says how.
+
+        All is asked here, before the wheels are told anything. suspended: asks only whether it has finished.
+        """
+        behavior = self.behavior
+        with self._watch:
+            proposal = None
+            if not (suspended or behavior.finished):
+                proposal = behavior.propose(percept, self.context)
+            if behavior.finished:
+                self.outcome = self._ended()
+        if self.broken is not None:
+            raise self.broken
+        if proposal is not None:
+            check_proposal(proposal, self._wildest)
+        return proposal
+
+    def _ended(self) -> Outcome:
+        behavior = self.behavior
+        check_plain(behavior.result)
+        return Outcome(bool(behavior.succeeded), behavior.result, str(behavior.reason)[:LONGEST])
+
+    def end(self) -> str:
+        """Stops it and ends its subscriptions; what went wrong, or nothing."""
+        problem = ""
+        try:
+            with self._stop_watch:
+                self.behavior.stop(self.context)
+        except BaseException as fault:
+            if ends_run(fault):
+                raise
+            problem = describe(fault)
+        finally:
+            self.release()
+        return problem
+
+    # --- what it may do --------------------------------------------------------------------------------
+
     def publish(self, event: Event) -> bool:
         """Queues an event. Raises: EventFloodError beyond the limit, TypeError for what is no event."""
-        if not isinstance(event, Event):
-            raise TypeError(f"only events can be published, not {type(event).__name__}")
+        event = checked_event(event)
         self._events += 1
         if self._events > self._limits.events:
             self.broken = EventFloodError(f"more than {self._limits.events} events in one tick")
@@ -100,7 +173,7 @@ class BehaviorHandle:
         """Ends all subscriptions made in the behavior's name and forgets what it broke."""
         for subscription in self._bus.subscriptions(self.name):
             subscription.cancel()
-        self.broken = None
+        self.broken = self.outcome = None
 
 
 def _own_seed(seed: np.random.SeedSequence, name: str) -> np.random.SeedSequence:

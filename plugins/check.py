@@ -24,12 +24,15 @@ from ..agent.errors import GoalError
 from ..agent.events import BehaviorFaulted, Event
 from ..agent.fields import needs_values
 from ..agent.handle import Limits
+from ..files.interrupts import ends_run
 from ..world.robot import EPUCK, Percept
 from .diagram import edges
-from .testing.trial import FAR, ScriptedRobot, Trial, percept
+from .trial import FAR, ScriptedRobot, Trial, percept
 
 SLOW = 500e-6
 """Seconds that the median `propose` may take."""
+_SIMULATORS = ("dartpy", "embreex", "matplotlib")
+_LOADS = "importing it loads {}: import only tolman.world.robot of the world"
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,10 +67,11 @@ class Report:
         return "\n".join(lines)
 
 
-def check_behavior(cls: type[Behavior], goal: Any = None, *, ticks: int = 300) -> Report:
+def check_behavior(cls: type[Behavior], goal: Any = None, *, ticks: int = 300, fresh: bool = False) -> Report:
     """Runs every check on the class and never raises for its faults.
 
-    goal: None takes the class's `example`, or the defaults of its `Goal`.
+    goal: None takes the class's `example`, or the defaults of its `Goal`. fresh: whether this process has
+    loaded nothing but the plugin.
     """
     if goal is None:
         goal = cls.example
@@ -82,7 +86,7 @@ def check_behavior(cls: type[Behavior], goal: Any = None, *, ticks: int = 300) -
         ("reset", lambda: _reset(cls, goal, ticks)),
         ("limits", lambda: _limits(cls, goal, ticks)),
         ("speed", lambda: _speed(cls, goal, ticks)),
-        ("no simulator", lambda: _no_simulator(cls)),
+        ("no simulator", lambda: _no_simulator_here() if fresh else _no_simulator(cls)),
     )
     return Report(cls.name or cls.__name__, tuple(_run(name, check) for name, check in checks))
 
@@ -90,7 +94,9 @@ def check_behavior(cls: type[Behavior], goal: Any = None, *, ticks: int = 300) -
 def _run(name: str, check: Callable[[], Iterator[str]]) -> Finding:
     try:
         problem = next(check(), None)
-    except (Exception, SystemExit) as fault:
+    except BaseException as fault:
+        if ends_run(fault):
+            raise
         problem = describe(fault)
     return Finding(name, problem is None, problem or "")
 
@@ -112,8 +118,6 @@ def _declarations(cls: type[Behavior]) -> Iterator[str]:
     check_declarations(cls)
     if cls.name != cls.name.lower() or any(c in cls.name for c in " _/"):
         yield f"name = {cls.name!r}: write it in lower case with dashes, as in 'wall-following'"
-    if not isinstance(cls.priority, int):
-        yield f"priority = {cls.priority!r}: give a whole number; higher is stronger"
 
 
 def _documentation(cls: type[Behavior]) -> Iterator[str]:
@@ -227,6 +231,11 @@ def _speed(cls: type[Behavior], goal: Any, ticks: int) -> Iterator[str]:
         yield f"a tick takes {median * 1e6:.0f} us (median), more than {SLOW * 1e6:.0f}: do less in each tick"
 
 
+def _no_simulator_here() -> Iterator[str]:
+    if loaded := [name for name in _SIMULATORS if name in sys.modules]:
+        yield _LOADS.format(loaded)
+
+
 def _no_simulator(cls: type[Behavior]) -> Iterator[str]:
     """Imports the plugin in a fresh process, as this one may have loaded a simulator for other reasons."""
     path = inspect.getsourcefile(cls)
@@ -236,8 +245,8 @@ def _no_simulator(cls: type[Behavior]) -> Iterator[str]:
     if cls.__module__.startswith("tolman_plugin_"):
         load = f"import_file(pathlib.Path({str(Path(path))!r}))"
     code = (
-        "import importlib, pathlib, sys\nfrom tolman.plugins.discovery import import_file\n"
-        f"{load}\nprint([m for m in ('dartpy', 'embreex', 'matplotlib') if m in sys.modules])"
+        "import importlib, pathlib, sys\nfrom tolman.plugins.loading import import_file\n"
+        f"{load}\nprint([m for m in {_SIMULATORS} if m in sys.modules])"
     )
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=60
@@ -245,4 +254,4 @@ def _no_simulator(cls: type[Behavior]) -> Iterator[str]:
     if done.returncode != 0:
         yield f"importing it in a fresh process failed: {done.stderr.strip().splitlines()[-1:]}"
     elif (loaded := done.stdout.strip().splitlines()[-1]) != "[]":
-        yield f"importing it loads {loaded}: import only tolman.world.robot of the world"
+        yield _LOADS.format(loaded)

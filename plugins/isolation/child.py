@@ -1,59 +1,40 @@
-"""The subprocess's side of an isolated plugin: `python -m tolman.plugins.isolation.child SPEC READ WRITE`.
+"""The subprocess's side of an isolated plugin: `python -m ...isolation.child SPEC READ WRITE PARENT`.
 
-Imports the plugin, says what it is, and then answers tick by tick until the pipe closes.
+Gives up what a plugin does not need, imports the plugin, says what it is, and then answers tick by tick until
+the pipe closes.
 """
 
 from __future__ import annotations
 
 import contextlib
+import importlib.util
 import json
-import resource
+import os
 import sys
-from dataclasses import MISSING, fields
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ...agent.arbitration.mediator import Candidate, Mediator
 from ...agent.behavior import Behavior, Context, Proposal
 from ...agent.codec import decode, dumps, encode, known_classes
 from ...agent.containment import describe
 from ...agent.declarations import declared
 from ...agent.events import Event, EventBus, Subscription
 from ...agent.fields import configured
-from ...world.robot import Image, RobotGeometry
-from ..discovery import BEHAVIORS, discover, plugins_in
-from ..errors import IsolationError
+from ...world.robot import Image, RobotGeometry, WheelCommand
+from ..errors import BrokenPluginError, IsolationError, PluginError
+from ..loading import Plugin, constant, contained, entries, load_entry, plugins_in
+from .confinement import confine, die_with_parent, folders_of_python, limit_resources, limited_cpu
+from .described import description
 from .wire import Channel, Kind, pack_proposal, unpack_tick
 
 MEMORY = 1 << 30
 """Bytes that a plugin may take besides what Python and numpy have at the start."""
-
-
-def description(cls: type[Behavior]) -> dict[str, Any]:
-    """What the agent needs to know of a behavior class, as JSON."""
-    return {
-        "name": cls.name,
-        "priority": int(cls.priority),
-        "states": [state.name for state in cls.States],
-        "initial": cls.initial.name,
-        "about": (cls.__doc__ or "").strip().partition("\n")[0],
-        "transitions": [
-            [row.trigger, [state.name for state in row.origins], row.target.name] for row in cls.transitions
-        ],
-        "goal": None if cls.Goal is None else [cls.Goal.__name__, _defaults(cls.Goal)],
-    }
-
-
-def _defaults(goal: type[Any]) -> list[list[Any]]:
-    """Each field of a goal: its name, then, encoded, its default if it has one."""
-    found: list[list[Any]] = []
-    for each in fields(goal):
-        if each.default_factory is not MISSING:
-            found.append([each.name, encode(each.default_factory())])
-        else:
-            found.append([each.name] if each.default is MISSING else [each.name, encode(each.default)])
-    return found
+IMPORT_CPU = 10
+"""Seconds of processor time that an import may take."""
 
 
 def users_configs(cls: type[Behavior], settings: dict[str, Any]) -> dict[str, Any]:
@@ -66,12 +47,26 @@ def users_configs(cls: type[Behavior], settings: dict[str, Any]) -> dict[str, An
     return configs
 
 
-def classes_of(spec: dict[str, Any]) -> list[type[Behavior]]:
-    """The behavior classes that a spec names: all of a file, or one entry point."""
+def plugins_of(spec: Mapping[str, Any]) -> list[Plugin]:
+    """The plugins that a spec names: all or one of a file, or an entry point. Raises: PluginError."""
     if "file" in spec:
-        found = [plugin for plugin in plugins_in(Path(spec["file"])) if plugin.group == BEHAVIORS]
-        return [plugin.load() for plugin in found if spec.get("name") in (None, plugin.name)]
-    return [discover().find(spec["name"]).load()]
+        found = plugins_in(Path(spec["file"]))
+        return [plugin for plugin in found if spec.get("name") in (None, plugin.name)]
+    for entry in entries(spec["group"]):
+        if entry.value == spec["entry"]:
+            cls = load_entry(entry, spec["group"])
+            return [Plugin(entry.name, spec["group"], entry.value, constant(cls), spec)]
+    raise BrokenPluginError(f"there is no entry point {spec['entry']!r}")
+
+
+def readable(spec: Mapping[str, Any]) -> list[str]:
+    """What the plugin of a spec is read from: its file's folder, or the packages of its entry point."""
+    if "file" in spec:
+        return [str(Path(spec["file"]).parent)]
+    found = importlib.util.find_spec(str(spec["entry"]).partition(":")[0].partition(".")[0])
+    if found is None:
+        return []
+    return [*(found.submodule_search_locations or ()), *([found.origin] if found.origin else ())]
 
 
 class Server:
@@ -94,7 +89,7 @@ class Server:
                 self._answer(kind, body)
             except IsolationError:
                 raise
-            except (Exception, SystemExit) as fault:
+            except BaseException as fault:
                 self._channel.send(Kind.FAULT, describe(fault).encode())
 
     def _answer(self, kind: int, body: bytes) -> None:
@@ -167,35 +162,71 @@ class Server:
         return np.frombuffer(body[8:], dtype="<f4").reshape(height, width).astype(np.float32)
 
 
-def limit_memory(extra: int = MEMORY) -> None:
-    """Lets this process take `extra` more bytes of address space than it has now (Linux)."""
-    try:
-        pages = int(Path("/proc/self/statm").read_text().split()[0])
-        limit = pages * resource.getpagesize() + extra
-        resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
-    except (OSError, ValueError):
-        return  # elsewhere than on Linux: a leak is noticed by whoever looks at the machine
+class MediatorServer:
+    """Answers for one mediator."""
+
+    def __init__(self, mediator: Mediator, channel: Channel) -> None:
+        """Made after the mediator."""
+        self._mediator, self._channel = mediator, channel
+
+    def serve(self) -> None:
+        """Until the pipe closes."""
+        while True:
+            kind, body = self._channel.receive()
+            try:
+                self._answer(kind, body)
+            except IsolationError:
+                raise
+            except BaseException as fault:
+                self._channel.send(Kind.FAULT, describe(fault).encode())
+
+    def _answer(self, kind: int, body: bytes) -> None:
+        if kind != Kind.ARBITRATE:
+            self._mediator.reset()
+            self._channel.send(Kind.DONE)
+            return
+        rows, previous = json.loads(body)
+        candidates = [
+            Candidate(name, priority, Proposal(WheelCommand(left, right), activation, reason))
+            for name, priority, left, right, activation, reason in rows
+        ]
+        decision = self._mediator.arbitrate(candidates, previous)
+        command = decision.command
+        answer = [decision.winner, float(command.left), float(command.right), str(decision.reason)[:500]]
+        self._channel.send(Kind.DECISION, json.dumps(answer).encode())
+
+
+def begin(arguments: list[str]) -> tuple[dict[str, Any], Channel]:
+    """Confines the process before anything of the plugin runs. arguments: spec, two pipes, parent."""
+    spec = json.loads(arguments[0])
+    channel = Channel(int(arguments[1]), int(arguments[2]))
+    die_with_parent(int(arguments[3]))
+    if spec.get("confined", True):
+        limit_resources(MEMORY)
+        confine([*folders_of_python(), *readable(spec)])
+    return spec, channel
 
 
 def main(arguments: list[str]) -> int:
     """Serves one plugin, or with no name in the spec only says what a file holds."""
-    spec = json.loads(arguments[0])
-    channel = Channel(int(arguments[1]), int(arguments[2]))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    spec, channel = begin(arguments)
     try:
-        classes = classes_of(spec)
-        hello = [description(cls) for cls in classes]
-        behavior = None if spec.get("name") is None else classes[0](**spec.get("settings", {}))
-    except (Exception, SystemExit) as fault:
-        channel.send(Kind.FAULT, describe(fault).encode())
+        with limited_cpu(IMPORT_CPU):
+            plugins = plugins_of(spec)
+        hello = [description(plugin.load(), plugin.group) for plugin in plugins]
+        with contained("making one"):
+            served = None if spec.get("name") is None else plugins[0].load()(**spec.get("settings", {}))
+    except BaseException as fault:
+        channel.send(Kind.FAULT, describe(fault, kind=not isinstance(fault, PluginError)).encode())
         return 1
     channel.send(Kind.HELLO, json.dumps(hello).encode())
-    if behavior is not None:
-        limit_memory()
-        with contextlib.suppress(IsolationError, KeyboardInterrupt):
-            Server(behavior, channel).serve()
+    if served is not None:
+        server = Server(served, channel) if isinstance(served, Behavior) else MediatorServer(served, channel)
+        with contextlib.suppress(IsolationError):
+            server.serve()
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    status = main(sys.argv[1:])
+    os._exit(status)  # no threads and exit handlers of the plugin

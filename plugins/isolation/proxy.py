@@ -3,96 +3,29 @@
 from __future__ import annotations
 
 import json
-import os
-import subprocess
-import sys
 import time
-import weakref
-from collections.abc import Mapping, Sequence
-from dataclasses import field, fields, is_dataclass, make_dataclass
-from enum import Enum
-from pathlib import Path
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import fields, is_dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
-from ...agent.behavior import Behavior, Context, NoConfig, Proposal, Transition
+from ...agent.arbitration.mediator import Candidate, Decision
+from ...agent.behavior import Behavior, Context, Proposal
 from ...agent.codec import decode, dumps, encode, known_classes
 from ...agent.events import Event
+from ...files.messages import printable
 from ...world.robot import Percept, WheelCommand
-from ..errors import BrokenPluginError, IsolationError
-from .wire import Channel, Kind, pack_tick, unpack_proposal
+from ..errors import IsolationError
+from ..loading import BEHAVIORS
+from .described import LONGEST, behavior_class, named
+from .process import Subprocess
+from .wire import Kind, pack_tick, unpack_proposal
 
-START_TIMEOUT = 30.0
-"""Seconds that a subprocess may take to import its plugin."""
 ANSWER_TIMEOUT = 1.0
 """Seconds that an isolated plugin may take for a tick before it is killed."""
-
-
-class Subprocess:
-    """One running subprocess and its channel; killed when it is dropped."""
-
-    def __init__(self, spec: Mapping[str, Any]) -> None:
-        """Starts it and waits for what it says it is. Raises: BrokenPluginError, IsolationError."""
-        to_child, child_writes = os.pipe(), os.pipe()
-        child = (to_child[0], child_writes[1])
-        arguments = [
-            sys.executable,
-            "-m",
-            "tolman.plugins.isolation.child",
-            json.dumps(spec),
-            *map(str, child),
-        ]
-        threads = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-        self._process = subprocess.Popen(
-            arguments,
-            pass_fds=child,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            env=os.environ | threads,
-        )
-        for descriptor in child:
-            os.close(descriptor)
-        self.channel = Channel(child_writes[0], to_child[1])
-        self._finalizer = weakref.finalize(self, _end, self._process, self.channel)
-        kind, body = self.receive(START_TIMEOUT)
-        if kind != Kind.HELLO:
-            self.kill()
-            raise BrokenPluginError(f"in its subprocess: {body.decode(errors='replace')}")
-        self.hello: list[dict[str, Any]] = json.loads(body)
-
-    def receive(self, timeout: float) -> tuple[int, bytes]:
-        """The next message. Raises: IsolationError, saying how the process ended if it did."""
-        try:
-            return self.channel.receive(time.monotonic() + timeout)
-        except IsolationError as fault:
-            self.kill()
-            code = self._process.returncode
-            raise IsolationError(f"{fault} (exit status {code})") from fault
-
-    def kill(self) -> None:
-        """Ends it now. More than once does no harm."""
-        self._finalizer()
-
-
-def _end(process: subprocess.Popen[bytes], channel: Channel) -> None:
-    # Whoever ended by itself keeps its own status; who hangs is killed.
-    try:
-        process.wait(0.02)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()
-    channel.close()
-
-
-def describe_file(path: Path) -> list[dict[str, Any]]:
-    """What a plugin file holds, found out in a subprocess. Raises: BrokenPluginError, IsolationError."""
-    child = Subprocess({"file": str(path.resolve())})
-    try:
-        return child.hello
-    finally:
-        child.kill()
+MOST_HEARD = 1000
+"""Events that wait for an isolated behavior at most; more are not heard."""
 
 
 class IsolatedBehavior(Behavior):
@@ -102,8 +35,7 @@ class IsolatedBehavior(Behavior):
     with the goal it had, until it is disabled like any other.
     """
 
-    spec: ClassVar[Mapping[str, Any]]
-    Config = NoConfig
+    _spec: ClassVar[Mapping[str, Any]]
     restarts = True
     slow_start = True
 
@@ -115,7 +47,7 @@ class IsolatedBehavior(Behavior):
         self._users: dict[str, Any] = {}
         self._heard: list[bytes] = []
         self._members = list(type(self).States)
-        super().__init__(config)
+        super().__init__(config, **settings)
         self._alive()
 
     def on_reset(self) -> None:
@@ -150,12 +82,12 @@ class IsolatedBehavior(Behavior):
         child.channel.send(Kind.START, json.dumps(order).encode())
         self._wait(child, Kind.DONE, context)
 
-    def ask(self, percept: Percept, context: Context) -> Proposal | None:
+    def _ask(self, percept: Percept, context: Context) -> Proposal | None:
         """What the subprocess proposes, whatever the state."""
         child = self._alive()
-        for event in self._heard:
+        heard, self._heard = self._heard, []
+        for event in heard:
             child.channel.send(Kind.EVENT, event)
-        self._heard.clear()
         child.channel.send(Kind.TICK, pack_tick(percept, context))
         body = self._wait(child, Kind.PROPOSAL, context)
         command, activation, reason, state, _ = unpack_proposal(body)
@@ -179,9 +111,13 @@ class IsolatedBehavior(Behavior):
             self._child.kill()
             self._child = None
 
+    def _hear(self, event: Event) -> None:
+        if len(self._heard) < MOST_HEARD:
+            self._heard.append(dumps(event).encode())
+
     def _alive(self) -> Subprocess:
         if self._child is None:
-            self._child = Subprocess({**type(self).spec, "settings": self._settings})
+            self._child = Subprocess({**type(self)._spec, "settings": self._settings})
         return self._child
 
     def _wait(self, child: Subprocess, wanted: Kind, context: Context) -> bytes:
@@ -193,9 +129,9 @@ class IsolatedBehavior(Behavior):
                 if kind == wanted:
                     return body
                 if kind == Kind.FAULT:
-                    raise IsolationError(body.decode(errors="replace"))
+                    raise IsolationError(body.decode(errors="replace")[:LONGEST])
                 self._serve(child, kind, body, context)
-        except Exception:
+        except BaseException:
             self.close()  # whatever went wrong: a new process knows nothing of it
             raise
 
@@ -211,52 +147,70 @@ class IsolatedBehavior(Behavior):
             child.channel.send(Kind.IMAGE, size + image.tobytes())
         elif kind == Kind.SUBSCRIBE:
             cls = known_classes().get(body.decode(errors="replace"), Event)
-            context.subscribe(cls, lambda event: self._heard.append(dumps(event).encode()))
+            context.subscribe(cls, self._hear)
         elif kind == Kind.RESULT:
             succeeded, reason, result = json.loads(body)
-            self.finish(bool(succeeded), str(reason), decode(result))
+            self.finish(bool(succeeded), printable(str(reason)[:LONGEST]), decode(result))
         else:
             raise IsolationError(f"the subprocess sent a message of unknown kind {kind}")
 
 
-def isolated_class(spec: Mapping[str, Any], hello: Mapping[str, Any]) -> type[IsolatedBehavior]:
-    """A behavior class that stands for the one in the subprocess. Raises: BrokenPluginError."""
-    try:
-        states = Enum(f"{hello['name']}-states", {name: name for name in hello["states"]})  # type: ignore[misc]
-        rows = tuple(
-            Transition(trigger, tuple(states[source] for source in sources), states[target])
-            for trigger, sources, target in hello["transitions"]
-        )
-        body = {
-            "name": str(hello["name"]),
-            "priority": int(hello["priority"]),
-            "States": states,
-            "initial": states[hello["initial"]],
-            "transitions": rows,
-            "Goal": _goal_class(*hello["goal"]) if hello["goal"] else None,
-            "spec": dict(spec) | {"name": str(hello["name"])},
-            "__doc__": f"{hello['about']} (isolated)",
-            "__module__": __name__,
-        } | {state.name.lower(): IsolatedBehavior.ask for state in states}
-    except (KeyError, TypeError, ValueError) as fault:
-        raise BrokenPluginError(f"the subprocess of {dict(spec)} says nothing sensible: {fault}") from fault
-    return type("Isolated", (IsolatedBehavior,), body)
+class IsolatedMediator:
+    """Stands for a mediator that runs in a subprocess; made by `isolated_class`.
+
+    Any fault of the subprocess is one of the mediator: the agent goes on by priority.
+    """
+
+    slow_start = True
+    name: ClassVar[str]
+    spec: ClassVar[Mapping[str, Any]]
+
+    def __init__(self, **options: Any) -> None:
+        """options: the mediator's own. Raises: BrokenPluginError if it cannot be made with them."""
+        self._child = Subprocess({**self.spec, "settings": options})
+
+    def arbitrate(self, candidates: Sequence[Candidate], previous: str | None) -> Decision:
+        """What the subprocess decides."""
+        rows = [
+            [name, priority, float(command.left), float(command.right), float(proposal.activation), reason]
+            for name, priority, proposal in candidates
+            for command, reason in ((proposal.command, str(proposal.reason)[:LONGEST]),)
+        ]
+        body = self._ask(Kind.ARBITRATE, json.dumps([rows, previous]).encode(), Kind.DECISION)
+        winner, left, right, reason = json.loads(body)
+        if winner is not None and winner not in [candidate.name for candidate in candidates]:
+            raise IsolationError("the subprocess picks one that does not propose")
+        return Decision(winner, WheelCommand(float(left), float(right)), printable(str(reason)[:LONGEST]))
+
+    def reset(self) -> None:
+        """The subprocess resets its mediator."""
+        self._ask(Kind.STOP, b"", Kind.DONE)
+
+    def close(self) -> None:
+        """Ends the subprocess."""
+        self._child.kill()
+
+    def _ask(self, kind: Kind, body: bytes, wanted: Kind) -> bytes:
+        self._child.channel.send(kind, body)
+        answered, answer = self._child.receive(ANSWER_TIMEOUT)
+        if answered != wanted:
+            raise IsolationError(answer.decode(errors="replace")[:LONGEST])
+        return answer
 
 
-def _goal_class(name: str, described: list[list[Any]]) -> type[Any]:
-    """Stands for the goal's class: the same fields and defaults, of any type."""
-    made: list[tuple[str, Any, Any]] = []
-    for field_name, *default in described:
-        made.append((field_name, Any, _default_of(default[0]) if default else field()))
-    return make_dataclass(name, made, frozen=True)
+def isolated_class(spec: Mapping[str, Any], told: Mapping[str, Any]) -> type[Any]:
+    """A class that stands for the plugin that a subprocess tells of. Raises: BrokenPluginError."""
+    group, name = named(told)
+    spec = {**spec, "group": group, "name": name}
+    if group == BEHAVIORS:
+        return behavior_class(IsolatedBehavior, IsolatedBehavior._ask, told, _spec=spec)
+    about = printable(str(told.get("about"))[:LONGEST])
+    body = {"name": name, "spec": spec, "__doc__": f"{about} (isolated)"}
+    return type("Isolated", (IsolatedMediator,), body)
 
 
-def _default_of(encoded: Any) -> Any:
-    return field(default_factory=lambda: decode(encoded))
-
-
-def close_all(behaviors: Sequence[Behavior]) -> None:
+def close_all(plugins: Iterable[Any]) -> None:
     """Ends the subprocesses of those that have one."""
-    for behavior in behaviors:
-        if isinstance(behavior, IsolatedBehavior):
-            behavior.close()
+    for plugin in plugins:
+        if isinstance(plugin, IsolatedBehavior | IsolatedMediator):
+            plugin.close()

@@ -19,19 +19,22 @@ from ..errors import IsolationError
 
 LIMIT = 1 << 20
 """Bytes of a message at most."""
+SEND_TIMEOUT = 1.0
+"""Seconds that the other end may leave a full pipe unread."""
 _HEAD = struct.Struct("<IB")
 _TICK = struct.Struct("<q9d?B")
 _PROPOSAL = struct.Struct("<?ddd?H")
 
 
 class Kind(IntEnum):
-    """What a message is. From the agent: START, STOP, TICK, IMAGE, EVENT. From the plugin: the others."""
+    """What a message is. Those below 10 come from the agent, the others from the plugin."""
 
     START = 1
     STOP = 2
     TICK = 3
     IMAGE = 4
     EVENT = 5
+    ARBITRATE = 6
     HELLO = 10
     DONE = 11
     PROPOSAL = 12
@@ -40,6 +43,7 @@ class Kind(IntEnum):
     FAULT = 15
     RESULT = 16
     SUBSCRIBE = 17
+    DECISION = 18
 
 
 class Channel:
@@ -49,16 +53,21 @@ class Channel:
         """File descriptors; the channel closes them."""
         self._read, self._write = read, write
         self._buffer = bytearray()
-        self._poll = select.poll()
+        self._poll, self._room = select.poll(), select.poll()
         self._poll.register(read, select.POLLIN)
+        self._room.register(write, select.POLLOUT)
+        os.set_blocking(write, False)
 
     def send(self, kind: Kind, body: bytes = b"") -> None:
-        """Sends one message. Raises: IsolationError if the other end is gone."""
-        data = _HEAD.pack(len(body), kind) + body
+        """Sends one message. Raises: IsolationError if the other end is gone or does not read it."""
+        data = memoryview(_HEAD.pack(len(body), kind) + body)
         try:
-            sent = os.write(self._write, data)
-            while sent < len(data):
-                sent += os.write(self._write, data[sent:])
+            while data:
+                try:
+                    data = data[os.write(self._write, data) :]
+                except BlockingIOError:
+                    if not self._room.poll(1e3 * SEND_TIMEOUT):
+                        raise IsolationError("the subprocess does not read what it is sent") from None
         except OSError as fault:
             raise IsolationError("the subprocess is gone") from fault
 

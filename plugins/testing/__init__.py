@@ -1,5 +1,6 @@
 """The test kit: a behavior alone, step by step, without physics."""
 
+from ..trial import FAR, ScriptedRobot, Trial, percept
 from .assertions import (
     assert_drives_forward,
     assert_event_order,
@@ -10,7 +11,6 @@ from .assertions import (
     assert_valid,
     event_of,
 )
-from .trial import FAR, ScriptedRobot, Trial, percept
 
 __all__ = [
     "FAR",

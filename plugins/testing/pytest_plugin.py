@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from ...agent.behavior import Behavior
     from ...world.robot import Percept
-    from .trial import ScriptedRobot, Trial
+    from ..trial import ScriptedRobot, Trial
 
 pytest.register_assert_rewrite("tolman.plugins.testing.assertions")
 
@@ -23,7 +23,7 @@ pytest.register_assert_rewrite("tolman.plugins.testing.assertions")
 @pytest.fixture
 def percept() -> Callable[..., Percept]:
     """Percepts from words: `percept(right=0.02)` is a wall 2 cm on the right. See `testing.percept`."""
-    from .trial import percept as build
+    from ..trial import percept as build
 
     return build
 
@@ -31,7 +31,7 @@ def percept() -> Callable[..., Percept]:
 @pytest.fixture
 def scripted_robot() -> Callable[..., ScriptedRobot]:
     """Robots that sense what a list says: `scripted_robot([percept(front=0.01)])`."""
-    from .trial import ScriptedRobot
+    from ..trial import ScriptedRobot
 
     return ScriptedRobot
 
@@ -39,7 +39,7 @@ def scripted_robot() -> Callable[..., ScriptedRobot]:
 @pytest.fixture
 def trial() -> Callable[..., Trial]:
     """Trials of one behavior alone: `trial(MyBehavior(), goal=...)`."""
-    from .trial import Trial
+    from ..trial import Trial
 
     return Trial
 

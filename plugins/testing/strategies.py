@@ -7,7 +7,7 @@ from dataclasses import replace
 from hypothesis import strategies as st
 
 from ...world.robot import CONTROL_PERIOD, EPUCK, Percept
-from .trial import FAR, percept
+from ..trial import FAR, percept
 
 
 def distances(least: float = 0.0, most: float = 0.1) -> st.SearchStrategy[float]:

@@ -1,6 +1,6 @@
 """The command `tolman`: parses a command line, runs the command and turns errors into one line each.
 
-Exit status: 0 done, 1 the run failed, 2 bad usage or bad input, 130 interrupted.
+Exit status: 0 done, 1 the run failed, 2 bad usage or bad input, 130 interrupted (143 by SIGTERM).
 """
 
 from __future__ import annotations
@@ -10,14 +10,16 @@ import importlib
 import os
 import re
 import sys
+import threading
 from collections.abc import Sequence
 from importlib.metadata import version
 from itertools import zip_longest
 from typing import NoReturn
 
+from ...files.interrupts import raised
 from ..errors import UsageError, describe, did_you_mean, status_of
 from .command import ANY_PORT, Command
-from .streams import escaped_streams
+from .streams import escaped_streams, flushed, open_standard_streams
 
 COMMANDS = {
     "worlds": ("worlds:COMMAND", "list the built-in worlds, draw others"),
@@ -137,7 +139,7 @@ def parse(arguments: Sequence[str]) -> tuple[Command, argparse.Namespace]:
 
 def execute(arguments: Sequence[str]) -> int:
     """Runs a command line and returns its exit status."""
-    with escaped_streams():
+    with escaped_streams(), raised():
         return _execute(arguments)
 
 
@@ -148,12 +150,14 @@ def _execute(arguments: Sequence[str]) -> int:
         sys.stdout.flush()
         return status
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # else the interpreter's last flush complains
+        flushed(sys.stdout, 1)
         return 141
-    except KeyboardInterrupt:
-        print("tolman: interrupted; what was reported as saved is saved", file=sys.stderr)
-        return 130
+    except KeyboardInterrupt as interrupt:
+        saved = "; ".join(getattr(interrupt, "__notes__", ())) or "what was reported as saved is saved"
+        print(f"tolman: interrupted; {saved}", file=sys.stderr)
+        return 128 + getattr(interrupt, "number", 2)
     except Exception as error:
+        flushed(sys.stdout, 1)
         status_or_none = status_of(error)
         if status_or_none is None:
             raise
@@ -165,4 +169,17 @@ def main() -> int:
     """Entry point of the command."""
     # Before numpy is loaded: with more threads, sums and so the bytes of a map would depend on the machine.
     os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
-    return execute(sys.argv[1:])
+    open_standard_streams()
+    status = execute(sys.argv[1:])
+    if not flushed(sys.stdout, 1) and status == 0:
+        status = 1
+    flushed(sys.stderr, 2)
+    if _plugins_were_here():
+        os._exit(status)
+    return status
+
+
+def _plugins_were_here() -> bool:
+    """Whether code from plugin folders ran, or threads go on: neither may hold the end up or change it."""
+    threads = [thread for thread in threading.enumerate() if not thread.daemon]
+    return len(threads) > 1 or any(name.startswith("tolman_plugin_") for name in sys.modules)

@@ -14,7 +14,8 @@ from ...agent.mapping.corners import Mapper, MappingConfig
 from ...agent.mapping.published import ThesisMapper, ThesisMappingConfig
 from ...agent.navigation.corners import Navigator
 from ...agent.navigation.published import ThesisNavigationConfig, ThesisNavigator
-from ...plugins.discovery import build_behaviors
+from ...plugins.discovery import Catalog, apart, build_behaviors, discover
+from ...plugins.loading import HANG
 from ...world import World, WorldSpec, open_world
 from ...world.link.model import find_timings
 from ...world.link.opening import behind_link, connect
@@ -30,8 +31,12 @@ if TYPE_CHECKING:
     from .profiles import Profile
     from .requests import MapRequest, RunSettings
 
-HANG = 2.0
-"""Wall-clock seconds after which a behavior is interrupted where plugins from folders are loaded."""
+
+def find_plugins(
+    settings: RunSettings, profile: Profile, configs: Mapping[str, Mapping[str, Any]] | None
+) -> Catalog:
+    """The plugins that a run may use: what is isolated is never imported here. Raises: PluginError."""
+    return discover(settings.plugins, apart(profile.behavior_settings(configs), settings.isolate))
 
 
 def make_world(
@@ -68,6 +73,7 @@ def make_agent(
     settings: RunSettings,
     profile: Profile,
     configs: Mapping[str, Mapping[str, Any]] | None,
+    catalog: Catalog,
     mediator: Mediator,
     robot: Robot,
     index: int = 0,
@@ -75,14 +81,14 @@ def make_agent(
 ) -> Agent:
     """An agent for a robot, with every behavior that is found and the profile's reflexes at work.
 
-    configs: settings by behavior, on top of the profile's. index: of the robot in its world. others:
-    behaviors besides those that are found.
+    configs: settings by behavior, on top of the profile's. catalog: by `find_plugins`.
+    index: of the robot in its world. others: behaviors besides those that are found.
 
     Behaviors from folders run under the default limits; without them nothing depends on the wall clock.
     Raises: PluginError, ConfigError.
     """
     merged = profile.behavior_settings(configs)
-    behaviors = build_behaviors(None, settings.plugins, merged, isolate=settings.isolate)
+    behaviors = build_behaviors(None, catalog, merged)
     limits = Limits(hang=HANG) if settings.plugins else Limits(budget=None)
     seed = np.random.SeedSequence([settings.seed, index])
     every = [*behaviors.values(), *others]

@@ -13,11 +13,13 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from ...agent import Agent, Behavior
+from ...files.interrupts import Deferred
 from ...maps.meta import MapMeta
-from ...plugins.discovery import load_mediator
+from ...plugins.discovery import Catalog, load_mediator
+from ...plugins.isolation.proxy import close_all
 from ...world.geometry import Plan
 from ...world.robot import STOP, Pose
-from .assembly import make_agent
+from .assembly import find_plugins, make_agent
 from .profiles import Profile, find_profile
 from .requests import Progress, RunSettings, SessionError
 from .settings import configured, mediator_of
@@ -69,6 +71,7 @@ class Stage:
         self.places: Mapping[int, Pose] = {}
         self._progress = progress
         self._looked = -math.inf
+        self._catalog: Catalog | None = None
         try:
             self.profile = configured(profile or find_profile(settings.profile), self.options)
             self._bounds = _bounds(world)
@@ -114,9 +117,13 @@ class Stage:
     def _add_robot(self, behaviors: Iterable[Behavior]) -> None:
         index = len(self.agents)
         name, values = mediator_of(self.options)
-        mediator = load_mediator(name, self.settings.plugins, values)
         configs, robot = self.options.get("behaviors"), self.world.robots[index]
-        agent = make_agent(self.settings, self.profile, configs, mediator, robot, index, behaviors)
+        if self._catalog is None:
+            self._catalog = find_plugins(self.settings, self.profile, configs)
+        mediator = load_mediator(name, self._catalog, values)
+        agent = make_agent(
+            self.settings, self.profile, configs, self._catalog, mediator, robot, index, behaviors
+        )
         self.agents.append(agent)
         self.observers.append(Observer(self.world, agent, index))
         pose = self.world.true_pose(index)
@@ -148,24 +155,31 @@ class Stage:
     ) -> bool:
         """Steps until `over()`. Returns False if the simulated time `limit` (s) or `trouble` came first.
 
+        An interrupt by the user ends it between two ticks (`UserInterrupt`).
+
         over: asked after each step of the world.
         stand: asks before the step instead, so that the robot stays where it was when it was over.
         doing: how many nodes are known and what is done, for a report of progress each second.
         """
-        while self.time < limit:
-            self._tick()
-            if stand and over():
-                return True
-            self._advance()
-            if not stand and over():
-                return True
-            if self.time - self._looked >= _LOOK:
-                self._looked = self.time
-                if doing is not None:
-                    self.tell(*doing())
-                if self._left_walls():
+        with Deferred() as interrupts:
+            while self.time < limit:
+                interrupts.check()
+                self._tick()
+                if stand and over():
+                    return True
+                self._advance()
+                if not stand and over():
+                    return True
+                if self.time - self._looked >= _LOOK and self._look(doing):
                     return False
         return False
+
+    def _look(self, doing: Callable[[], tuple[int | None, str]] | None) -> bool:
+        """Tells how far it is; whether there is trouble."""
+        self._looked = self.time
+        if doing is not None:
+            self.tell(*doing())
+        return self._left_walls()
 
     def _tick(self) -> None:
         self.begun = True
@@ -210,14 +224,19 @@ class Stage:
             agent.close()
 
     def close(self) -> None:
-        """Stops all behaviors and wheels and frees the world, whatever happened. Twice does no harm."""
-        try:
-            for robot, agent in zip(self.world.robots, self.agents, strict=False):
-                with contextlib.suppress(Exception):
-                    agent.close()
-                robot.act(STOP)
-        finally:
-            self.world.close()
+        """Stops all wheels and behaviors and frees the world, whatever happened. Twice does no harm.
+
+        The wheels rest first, since behaviors may take their time, and last. An interrupt waits for the end.
+        """
+        with Deferred(patient=True), contextlib.ExitStack() as steps:  # from the last to the first, each done
+            steps.callback(self.world.close)
+            driven = list(zip(self.world.robots, self.agents, strict=False))
+            for robot, agent in driven:
+                steps.callback(robot.act, STOP)
+                steps.callback(close_all, [*agent.behaviors.values(), agent.mediator, agent.first_mediator])
+                steps.callback(agent.close)
+            for robot, _ in driven:
+                steps.callback(robot.act, STOP)
 
     def map_meta(self, request: MapRequest) -> MapMeta:
         """What a map made here says about itself."""

@@ -7,20 +7,24 @@ import signal
 import time
 from collections.abc import Callable
 from enum import Enum
-from typing import Any
+from typing import Any, NoReturn
 
 import pytest
 from tolman.agent import Agent, AgentError, Behavior, Candidate, Context, Decision, Proposal
+from tolman.agent.containment import Watchdog
 from tolman.agent.events import (
     BehaviorFaulted,
     BehaviorFinished,
     BehaviorStarted,
     ControlChanged,
     Event,
+    LoopClosed,
     Lost,
     MediatorFaulted,
+    PluginEvent,
 )
 from tolman.agent.handle import Limits
+from tolman.files.interrupts import UserInterrupt, raised
 from tolman.plugins.testing import ScriptedRobot, assert_event_order, event_of
 from tolman.world.robot import STOP, Percept, WheelCommand
 
@@ -93,6 +97,36 @@ def dawdle(context: Context) -> Proposal:
     return Proposal(AHEAD)
 
 
+class OwnBaseError(BaseException):
+    pass
+
+
+class MuteError(Exception):
+    def __str__(self) -> str:
+        raise KeyError("no text")
+
+
+def raises(fault: BaseException) -> Callable[[Context], Proposal | None]:
+    def misdeed(context: Context) -> Proposal | None:
+        raise fault
+
+    return misdeed
+
+
+def publish(event: Event) -> Callable[[Context], Proposal | None]:
+    def misdeed(context: Context) -> Proposal | None:
+        context.publish(event)
+        return None
+
+    return misdeed
+
+
+def publish_itself(context: Context) -> Proposal | None:
+    data: dict[str, Any] = {}
+    data["a"] = data["b"] = data
+    return publish(PluginEvent(time=0.0, name="x", data=data))(context)
+
+
 MISDEEDS = {
     "raises": (lambda context: 1 / 0, "ZeroDivisionError"),
     "exits": (leave, "SystemExit"),
@@ -107,6 +141,12 @@ MISDEEDS = {
     "silent flood": (flood_silently, "more than 100 events"),
     "leak": (leak, "more than 50 subscriptions"),
     "slow": (dawdle, "BudgetExceededError"),
+    "base": (raises(OwnBaseError("x")), "OwnBaseError: x"),
+    "generator exit": (raises(GeneratorExit()), "GeneratorExit"),
+    "no text": (raises(MuteError()), "MuteError: (its text cannot be read)"),
+    "event in itself": (publish_itself, "holds more than 20 levels"),
+    "mapper's event": (publish(LoopClosed(time=0.0, node=9, met=9)), "cannot publish LoopClosed"),
+    "event of wrong types": (publish(Lost(time="now", reason="x")), "Lost: time must be"),  # type: ignore[arg-type]
 }
 
 
@@ -372,3 +412,74 @@ def test_candidates_of_the_tick_can_be_read_afterwards() -> None:
     agent, _, _ = agent_with(Steady())
     ticks(agent, 1)
     assert list(agent.proposals) == [Candidate("steady", 10, Proposal(AHEAD, reason="steady"))]
+
+
+def test_what_a_behavior_declares_is_taken_once() -> None:
+    class Changing(Steady):
+        name = "changing"
+
+        def on_reset(self) -> None:
+            super().on_reset()
+            self.priority, self.name = "high", 7  # type: ignore[misc, assignment]
+
+    agent = Agent(ScriptedRobot(), [Changing(), Steady()])
+    agent.start("changing")
+    agent.start("steady")
+    ticks(agent, 2)
+    assert [(each.name, each.priority) for each in agent.proposals] == [("changing", 10), ("steady", 10)]
+
+
+def test_a_keyboard_interrupt_of_a_plugin_is_a_fault_and_the_users_is_not() -> None:
+    agent, _, heard = agent_with(Faulty(raises(KeyboardInterrupt())))
+    with raised():
+        ticks(agent, 4)
+    assert event_of(heard, BehaviorFaulted).fault == "KeyboardInterrupt"
+    agent, _, _ = agent_with(Faulty(raises(UserInterrupt())))
+    with pytest.raises(UserInterrupt):
+        ticks(agent, 4)
+
+
+def test_whether_and_how_it_finished_is_asked_under_watch() -> None:
+    class Unsure(Steady):
+        name = "unsure"
+        ticks = 0
+
+        @property
+        def finished(self) -> bool:
+            self.ticks += 1
+            if self.ticks > 2:
+                raise RuntimeError("cannot say")
+            return False
+
+        @finished.setter
+        def finished(self, value: bool) -> None:
+            """Not kept."""
+
+    agent, robot, heard = agent_with(Unsure())
+    ticks(agent, 3)
+    assert "cannot say" in event_of(heard, BehaviorFaulted).fault
+    assert robot.commands[-1] == STOP
+
+
+def test_a_loop_that_swallows_interruptions_ends_the_process_in_one_line(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    class EndedError(BaseException):
+        pass
+
+    def end(text: str) -> NoReturn:
+        raise EndedError(text)
+
+    monkeypatch.setattr("tolman.agent.containment.end_process", end)
+    stopped: list[str] = []
+    watch = Watchdog(None, 0.02, lambda: stopped.append("wheels"))
+    with pytest.raises(EndedError, match="ran on after 5 interruptions; run it with --isolate"), watch:
+        swallow()
+    assert stopped == ["wheels"]
+
+
+def swallow() -> None:
+    while True:
+        with contextlib.suppress(Exception):
+            while True:
+                pass

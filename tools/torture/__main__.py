@@ -1,4 +1,4 @@
-"""Stresses map files: `python -m tools.torture kills|mutations|commands|full|readonly|pairs|all`.
+"""Stresses map files: `python -m tools.torture kills|mutations|commands|full|readonly|plugins|pairs|all`.
 
 Exit status 1 on a fault. POSIX only.
 
@@ -8,6 +8,8 @@ full: the disk runs full; one clear error, and the last good state stays.
 readonly: the folder cannot be written; one clear error, the map in it can be read.
 commands: files crafted under checksums that hold, through load, info, validate, recover, export, plot; each
 must be refused with one line or be well-formed.
+plugins: missions with plugins that misbehave, in the process and isolated; each must be contained or end the
+run in one line, with wheels at rest and the map intact.
 pairs: maps of one world from different starts and sides; their nodes must be matched, other worlds' refused.
 """
 
@@ -26,17 +28,19 @@ from .faults import faults
 from .kills import kills
 from .mutations import mutations
 from .pairs import pairs
+from .plugins import plugins
 
 
 def main() -> int:
     """Runs the campaigns named on the command line and prints what happened."""
     parser = argparse.ArgumentParser(prog="torture", description=__doc__)
-    names = ["kills", "mutations", "commands", "full", "readonly", "pairs", "all"]
+    names = ["kills", "mutations", "commands", "full", "readonly", "pairs", "plugins", "all"]
     parser.add_argument("campaign", choices=names)
     parser.add_argument("--kills", type=int, default=1000)
     parser.add_argument("--mutations", type=int, default=10_000)
     parser.add_argument("--pairs", type=int, default=20)
     parser.add_argument("--local-maps", type=int, default=2, help="maps of the pairs that have local maps")
+    parser.add_argument("--every", type=int, default=1, help="take one of so many faults of plugins")
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
     wrong: list[str] = []
@@ -47,6 +51,7 @@ def main() -> int:
             "commands": lambda: commands(options.mutations, options.seed, Path(name)),
             "full": lambda: full(Path(name)),
             "readonly": lambda: readonly(Path(name)),
+            "plugins": lambda: plugins(Path(name) / "plugins", options.every),
             "pairs": lambda: pairs(Path(name), options.pairs, options.seed, options.local_maps),
         }
         for campaign, run in campaigns.items():

@@ -102,12 +102,27 @@ def run(options: argparse.Namespace) -> int:
     from ...session.simulation import map_world
 
     with progress_line() as line, watched(options.live) as watch:
-        report = map_world(request_of(MapRequest, options), line.simulated, watch)
+        try:
+            report = map_world(request_of(MapRequest, options), line.simulated, watch)
+        except KeyboardInterrupt as interrupt:
+            interrupt.add_note(_saved(options.output))
+            raise
         if options.figure is not None:
             from ...drawing.map_picture import plot_map
 
             plot_map(options.output, options.figure, None if options.robot else options.world, options.scale)
     return tell(report, options)
+
+
+def _saved(path: Path) -> str:
+    """What an interrupted mapping leaves, in words."""
+    from ....maps import HybridMap, MapError
+
+    try:
+        nodes = len(HybridMap.load(path).nodes())
+    except MapError:
+        return f"{path}: nothing is saved yet"
+    return f"{path} has {nodes} node{'' if nodes == 1 else 's'}; --resume goes on"
 
 
 def tell(report: MapReport, options: argparse.Namespace) -> int:

@@ -7,15 +7,18 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from ....plugins.check import Report, check_behavior
+from ....files.messages import printable
+from ....plugins.check import Report
 from ....plugins.diagram import draw, mermaid
-from ....plugins.discovery import BEHAVIORS, MEDIATORS, Catalog, Plugin, discover, plugin_files, plugins_in
+from ....plugins.discovery import Catalog, discover, isolated_plugins
 from ....plugins.errors import PluginError
+from ....plugins.isolation.checking import check_apart
+from ....plugins.loading import BEHAVIORS, MEDIATORS, Plugin, contained, plugin_files, plugins_in
 from ....plugins.template import write_plugin
 from ...errors import UsageError
 from ..command import Command
 from ..options import add_json, one_of, picture
-from ..output import check_output, print_json
+from ..output import check_output, print_json, stdout_to_stderr
 
 ACTIONS = ("list", "check", "new", "diagram")
 
@@ -42,6 +45,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="folder whose .py files hold further plugins (may be given more than once)",
     )
     parser.add_argument(
+        "--isolate",
+        action="store_true",
+        help="import nothing of --plugins here: ask subprocesses that can do no harm",
+    )
+    parser.add_argument(
         "--folder",
         type=Path,
         default=Path("plugins"),
@@ -62,7 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Does what the action says. Status 1: a checked plugin does not conform."""
     if options.action == "list":
-        return _list(discover(options.plugins), options.json)
+        return _list(options)
     if options.name is None:
         raise UsageError(f"`tolman plugins {options.action}` needs a name")
     if options.action == "check":
@@ -79,32 +87,41 @@ def _entry(plugin: Plugin) -> dict[str, Any]:
     entry: dict[str, Any] = {"name": plugin.name, "origin": plugin.origin}
     try:
         cls = plugin.load()
+        with contained(f"{plugin.origin}: looking at it"):
+            about = printable(str(cls.__doc__ or "").strip().partition("\n")[0])
+            return entry | {"about": about, "priority": getattr(cls, "priority", None)}
     except PluginError as fault:
         return entry | {"broken": str(fault)}
-    about = (cls.__doc__ or "").strip().partition("\n")[0]
-    return entry | {"about": about, "priority": getattr(cls, "priority", None)}
 
 
-def _list(catalog: Catalog, as_json: bool) -> int:
-    behaviors = [_entry(plugin) for plugin in catalog.plugins(BEHAVIORS).values()]
-    mediators = [_entry(plugin) for plugin in catalog.plugins(MEDIATORS).values()]
-    if as_json:
+def _list(options: argparse.Namespace) -> int:
+    with stdout_to_stderr():  # a plugin that prints spoils no list
+        catalog = discover(options.plugins, options.isolate)
+        behaviors = [_entry(plugin) for plugin in catalog.plugins(BEHAVIORS).values()]
+        mediators = [_entry(plugin) for plugin in catalog.plugins(MEDIATORS).values()]
+    if options.json:
         print_json({"behaviors": behaviors, "mediators": mediators, "broken": catalog.broken})
         return 0
     behaviors.sort(key=lambda entry: (-(entry.get("priority") or 0), entry["name"]))
-    for title, entries in (("behaviors", behaviors), ("mediators", mediators)):
+    for title, found in (("behaviors", behaviors), ("mediators", mediators)):
         print(f"{title}:")
-        for entry in entries:
+        for entry in found:
             priority = entry.get("priority")
-            rank = f"{priority:>3}" if priority is not None else "   "
+            rank = f"{priority:>3}" if isinstance(priority, int) else "   "
             print(f"  {entry['name']:<20} {rank}  {entry.get('about') or entry.get('broken', '')}")
-    for origin, why in catalog.broken.items():
-        print(f"could not be read: {origin}: {why}", file=sys.stderr)
+    _tell_broken(catalog)
     return 0
 
 
+def _tell_broken(catalog: Catalog) -> None:
+    for origin, why in catalog.broken.items():
+        print(f"could not be read: {why if why.startswith(origin) else f'{origin}: {why}'}", file=sys.stderr)
+
+
 def _check(options: argparse.Namespace) -> int:
-    reports = [check_behavior(plugin.load()) for plugin in _chosen(options)]
+    """Checks in a subprocess each: what exits or hangs there gives no verdict."""
+    found = [spec for plugin in _chosen(options, True) for spec in [{**plugin.spec, "name": plugin.name}]]
+    reports = [report for spec in found for report in check_apart(spec, options.isolate)]
     if options.json:
         print_json(
             {"passed": all(report.passed for report in reports), "plugins": [_plain(r) for r in reports]}
@@ -119,22 +136,24 @@ def _plain(report: Report) -> dict[str, Any]:
     return {"name": report.name, "passed": report.passed, "findings": findings}
 
 
-def _chosen(options: argparse.Namespace) -> list[Plugin]:
+def _chosen(options: argparse.Namespace, isolate: bool) -> list[Plugin]:
     """The behaviors meant by a name, a file or a folder."""
+    read = isolated_plugins if isolate else plugins_in
     path = Path(options.name)
     if path.suffix == ".py" or path.is_dir():
         if not path.exists():
             raise UsageError(f"{path}: there is no such file")
         files = plugin_files(path) if path.is_dir() else [path]
-        found = [plugin for file in files for plugin in plugins_in(file) if plugin.group == BEHAVIORS]
+        found = [plugin for file in files for plugin in read(file) if plugin.group == BEHAVIORS]
         if not found:
             raise UsageError(f"{path}: no behavior in it; a behavior is a class derived from Behavior")
         return found
-    return [discover(options.plugins).find(options.name)]
+    return [discover(options.plugins, isolate).find(options.name)]
 
 
 def _diagram(options: argparse.Namespace) -> int:
-    classes = [plugin.load() for plugin in _chosen(options)]
+    with stdout_to_stderr():
+        classes = [plugin.load() for plugin in _chosen(options, options.isolate)]
     if options.output is None:
         print("\n".join(mermaid(cls) for cls in classes), end="")
         return 0

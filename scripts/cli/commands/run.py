@@ -73,7 +73,9 @@ def _show(request: MissionRequest, as_json: bool) -> int:
 
     with stdout_to_stderr():
         nodes = sorted(HybridMap.load(request.map).nodes()) if request.map is not None else None
-        plan = dry_run(Mission.load(request.mission), nodes, set(discover(request.plugins).plugins()))
+        plan = dry_run(
+            Mission.load(request.mission), nodes, set(discover(request.plugins, request.isolate).plugins())
+        )
     if as_json:
         print_json({"steps": plan.lines, "problems": plan.problems})
     else:

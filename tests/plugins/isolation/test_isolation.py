@@ -1,15 +1,24 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from tolman.agent import Agent, Behavior
-from tolman.agent.events import BehaviorFaulted, BehaviorFinished, Event, Lost, PluginEvent
+import tolman.agent
+from tolman.agent import Agent, Behavior, ConfigError
+from tolman.agent.events import (
+    BehaviorFaulted,
+    BehaviorFinished,
+    Event,
+    Lost,
+    MediatorFaulted,
+    PluginEvent,
+)
 from tolman.agent.handle import Limits
 from tolman.behaviors.wander import Wander
-from tolman.plugins import BrokenPluginError, build_behaviors, discover
+from tolman.plugins import build_behaviors, discover, load_mediator
 from tolman.plugins.isolation.proxy import IsolatedBehavior, close_all
 from tolman.plugins.testing import ScriptedRobot, Trial, event_of, percept
 
@@ -80,6 +89,23 @@ class Guest(Behavior):
 '''
 
 
+MEDIATOR = """
+import os
+from tolman.agent.arbitration.mediator import Decision
+from tolman.world.robot import WheelCommand
+
+class Last:
+    '''Takes the last.'''
+    name = "last"
+    ticks = 0
+    def arbitrate(self, candidates, previous):
+        self.ticks += 1
+        if self.ticks == 3:
+            os._exit(5)
+        return Decision(candidates[-1].name, WheelCommand(77.0, 77.0), "last")
+    def reset(self): ...
+"""
+NAMES = ["guest", "friend", "other"]
 Make = Callable[..., Behavior]
 
 
@@ -87,7 +113,7 @@ Make = Callable[..., Behavior]
 def patience(monkeypatch: pytest.MonkeyPatch) -> None:
     """A busy machine makes no faults."""
     monkeypatch.setattr("tolman.plugins.isolation.proxy.ANSWER_TIMEOUT", 60.0)
-    monkeypatch.setattr("tolman.plugins.isolation.proxy.START_TIMEOUT", 120.0)
+    monkeypatch.setattr("tolman.plugins.isolation.process.START_TIMEOUT", 120.0)
 
 
 @pytest.fixture
@@ -164,18 +190,48 @@ def test_a_file_that_kills_its_importer_kills_only_a_subprocess(tmp_path: Path) 
 
 
 def test_wrong_settings_are_refused_when_it_is_made(guest: Make) -> None:
-    with pytest.raises(BrokenPluginError, match="unknown setting 'sped'"):
+    with pytest.raises(ConfigError, match="unknown setting 'sped'"):
         guest(sped=1.0)
 
 
-def test_isolate_true_among_the_settings_isolates_that_one_alone(tmp_path: Path) -> None:
-    (tmp_path / "guest.py").write_text(
-        SOURCE + SOURCE.replace("Guest", "Other").replace('"guest"', '"other"')
-    )
-    built = build_behaviors(["guest", "other"], [tmp_path], {"guest": {"isolate": True}})
+def test_isolate_true_among_the_settings_isolates_that_ones_file_alone(tmp_path: Path) -> None:
+    named = {name: SOURCE.replace("Guest", name.title()).replace('"guest"', f'"{name}"') for name in NAMES}
+    (tmp_path / "guest.py").write_text(named["guest"] + named["friend"])
+    (tmp_path / "other.py").write_text(named["other"])
+    built = build_behaviors(NAMES, [tmp_path], {"guest": {"isolate": True}})
     assert isinstance(built["guest"], IsolatedBehavior)
+    assert isinstance(built["friend"], IsolatedBehavior)
     assert not isinstance(built["other"], IsolatedBehavior)
-    close_all(list(built.values()))
+    close_all(built.values())
+
+
+def test_nothing_of_an_isolated_file_is_imported_here(tmp_path: Path) -> None:
+    spoiling = "import tolman.maps.som, tolman.agent\ntolman.agent.spoiled = True\n"
+    (tmp_path / "guest.py").write_text(spoiling + SOURCE + MEDIATOR)
+    before = set(sys.modules)
+    catalog = discover([tmp_path], isolate=True)
+    built = build_behaviors(["guest"], catalog)
+    mediator = load_mediator("last", catalog)
+    cls = catalog.find("guest").load()
+    assert (cls.__doc__, cls.priority) == ("Drives ahead, and says what it is told to. (isolated)", 30)
+    assert not [name for name in set(sys.modules) - before if name.startswith("tolman_plugin_")]
+    assert not hasattr(tolman.agent, "spoiled")
+    close_all([*built.values(), mediator])
+
+
+def test_a_mediator_of_an_isolated_file_decides_in_its_subprocess(tmp_path: Path) -> None:
+    (tmp_path / "odd.py").write_text("import os\n" + MEDIATOR)
+    mediator = load_mediator("last", [tmp_path], isolate=True)
+    robot, heard = ScriptedRobot(), list[Event]()
+    agent = Agent(robot, [Wander()], mediator=mediator)
+    agent.bus.subscribe(Event, heard.append)
+    agent.start("wander")
+    for _ in range(3):
+        agent.tick()
+    assert agent.driver == "wander"
+    assert [command.left for command in robot.commands] == [77.0, 77.0, 0.0]
+    assert "exit status 5" in event_of(heard, MediatorFaulted).fault
+    close_all([mediator])
 
 
 def test_no_process_is_left_when_it_is_closed(guest: Make) -> None:

@@ -242,7 +242,7 @@ def test_an_isolated_plugin_that_ends_its_process_ends_no_mission(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("tolman.plugins.isolation.proxy.ANSWER_TIMEOUT", 60.0)
-    monkeypatch.setattr("tolman.plugins.isolation.proxy.START_TIMEOUT", 120.0)
+    monkeypatch.setattr("tolman.plugins.isolation.process.START_TIMEOUT", 120.0)
     (tmp_path / "plugins").mkdir()
     write(tmp_path / "plugins", CRASHING, "crashing.py")
     path = write(tmp_path, "steps: [on_failure: {do: {do: crashing}, otherwise: {wait: 3}}]")
@@ -254,6 +254,7 @@ def test_an_isolated_plugin_that_ends_its_process_ends_no_mission(
     assert len(faults) == 3
     assert "exit status 3" in faults[0]
     assert faults[-1].endswith("disabled")
+    assert replay(record).identical
 
 
 def test_what_a_mission_says_and_returns_is_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 from collections.abc import Callable
 from enum import Enum
 from pathlib import Path
@@ -12,6 +14,7 @@ from tolman.agent import Behavior, Context, Proposal
 from tolman.agent.events import Event
 from tolman.agent.missions.mission import Mission
 from tolman.agent.missions.steps import Do, Explore, Say
+from tolman.files.interrupts import UserInterrupt
 from tolman.maps import HybridMap
 from tolman.scripts.session.mapping import Mapping
 from tolman.scripts.session.requests import GoRequest, MapRequest, MissionRequest, RunSettings, SessionError
@@ -136,7 +139,7 @@ def test_after_a_run_that_met_its_limit_the_wheels_stand_still(
     commands: list[WheelCommand], tmp_path: Path
 ) -> None:
     map_world(MapRequest(world="env1", output=tmp_path / "m", global_only=True, max_time=3.0, **QUICK))
-    assert commands[-2] != STOP
+    assert commands[-3] != STOP  # once before behaviors are stopped, once after
     assert commands[-1] == STOP
 
 
@@ -254,3 +257,41 @@ def test_a_behavior_s_goal_can_be_waited_for_in_a_mission_on_it() -> None:
     mission = Mission.of("do", Do("look-around"))
     with Simulation("env1", **QUICK) as simulation:
         assert simulation.mission(mission).status in ("done", "failed")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_ends_a_run_between_two_ticks_with_wheels_at_rest(
+    commands: list[WheelCommand], number: signal.Signals
+) -> None:
+    def interrupting() -> bool:
+        if len(commands) == 5:
+            os.kill(os.getpid(), number)
+        return False
+
+    def drive() -> None:
+        with Simulation("env1", **QUICK) as simulation:
+            simulation.agent.start("wander")
+            simulation.run(interrupting)
+
+    with pytest.raises(UserInterrupt) as caught:
+        drive()
+    assert caught.value.number == number
+    assert len(commands) == 5 + 2
+    assert commands[4] != STOP
+    assert commands[-1] == STOP
+
+
+def test_wheels_rest_though_behaviors_break_when_they_are_stopped() -> None:
+    class Bad(Straight):
+        """Breaks when it is stopped."""
+
+        def on_stop(self, context: Context) -> None:
+            """Raises."""
+            raise GeneratorExit
+
+    with Simulation("env1", behaviors=[Bad()], **QUICK) as simulation:
+        robot = simulation.world.robots[0]
+        simulation.agent.start("straight")
+        for _ in range(3):
+            simulation.step()
+    assert robot._command == STOP  # type: ignore[attr-defined]

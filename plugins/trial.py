@@ -14,36 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from ...agent.behavior import Behavior, Context, Proposal
-from ...agent.estimation.odometry import PathIntegrator
-from ...agent.events import Event, EventBus
-from ...agent.perception.infrared import raw_value
-from ...world.robot import CONTROL_PERIOD, EPUCK, STOP, Image, Percept, Pose, RobotGeometry, WheelCommand
-from .assertions import (
-    assert_drives_forward,
-    assert_event_order,
-    assert_in_place,
-    assert_stands,
-    assert_states,
-    assert_turns,
-    assert_valid,
-    event_of,
-)
-
-__all__ = [
-    "FAR",
-    "ScriptedRobot",
-    "Trial",
-    "assert_drives_forward",
-    "assert_event_order",
-    "assert_in_place",
-    "assert_stands",
-    "assert_states",
-    "assert_turns",
-    "assert_valid",
-    "event_of",
-    "percept",
-]
+from ..agent.behavior import Behavior, Context, Proposal
+from ..agent.estimation.odometry import PathIntegrator
+from ..agent.events import Event, EventBus
+from ..agent.perception.infrared import raw_value
+from ..world.robot import CONTROL_PERIOD, EPUCK, STOP, Image, Percept, Pose, RobotGeometry, WheelCommand
 
 FAR = math.inf
 """The distance of a wall that is not there."""
