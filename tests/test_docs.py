@@ -53,3 +53,17 @@ def test_the_index_of_decisions_names_every_record() -> None:
     index = (folder / "index.md").read_text()
     missing = [path.name for path in folder.glob("[0-9]*.md") if f"({path.name})" not in index]
     assert missing == [], "add a line for each to docs/decisions/index.md"
+
+
+def test_each_promise_of_security_names_a_test_that_exists() -> None:
+    page = (ROOT / "docs" / "security.md").read_text()
+    tables = [rest.partition("\n\n")[0] for rest in page.split("| promise | held by |")[1:]]
+    promises = [line for table in tables for line in table.splitlines() if line.startswith("| ")]
+    assert len(promises) > 15
+    for line in promises:
+        holders = line.rstrip(" |").rpartition(" | ")[2]
+        named = re.findall(r"`(tests/[^`]+\.py|python -m [a-z_.]+)", holders)
+        assert named, line
+        for each in named:
+            path = each.removeprefix("python -m ").replace(".", "/") if each.startswith("python") else each
+            assert (ROOT / path).exists() or (ROOT / f"{path}.py").exists(), each
