@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 
 import pytest
@@ -77,3 +78,40 @@ def test_bad_input_is_one_line_and_status_2(
     error = capsys.readouterr().err
     assert said in error
     assert error.count("\n") == 1
+
+
+def test_a_plugin_that_prints_spoils_no_json(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    execute(["plugins", "new", "turn-back", "--folder", str(tmp_path)])
+    path = tmp_path / "turn_back.py"
+    path.write_text(path.read_text() + "\nimport os\nprint('loud')\nos.write(1, b'louder')\n")
+    capfd.readouterr()
+    assert execute(["plugins", "list", "--json", "--plugins", str(tmp_path)]) == 0
+    out, err = capfd.readouterr()
+    assert "turn-back" in [each["name"] for each in json.loads(out)["behaviors"]]
+    assert "loud" in err
+
+
+def test_nothing_of_isolated_plugins_is_imported_to_list_or_draw_them(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    execute(["plugins", "new", "turn-back", "--folder", str(tmp_path)])
+    (tmp_path / "exits.py").write_text("import os\nos._exit(0)\n")
+    capsys.readouterr()
+    assert execute(["plugins", "list", "--isolate", "--plugins", str(tmp_path)]) == 0
+    shown = capsys.readouterr()
+    assert "turn-back" in shown.out
+    assert "exits.py: in its subprocess: the subprocess has ended (exit status 0)" in shown.err
+    assert execute(["plugins", "diagram", "turn-back", "--isolate", "--plugins", str(tmp_path)]) == 0
+    assert "stateDiagram-v2" in capsys.readouterr().out
+    assert not [name for name in sys.modules if name.startswith("tolman_plugin_exits")]
+
+
+def test_a_plugin_that_exits_while_it_is_checked_gets_no_verdict(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "exits.py"
+    path.write_text("import os\nos._exit(0)\n")
+    assert execute(["plugins", "check", str(path)]) == 2
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert shown.err.count("\n") == 1
