@@ -170,12 +170,13 @@ def main() -> int:
     # Before numpy is loaded: with more threads, sums and so the bytes of a map would depend on the machine.
     os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
     open_standard_streams()
-    status = execute(sys.argv[1:])
-    if not flushed(sys.stdout, 1) and status == 0:
-        status = 1
-    flushed(sys.stderr, 2)
-    if _plugins_were_here():
-        os._exit(status)
+    with escaped_streams(), raised():  # to the end: threads of plugins may still print
+        status = _execute(sys.argv[1:])
+        if not flushed(sys.stdout, 1) and status == 0:
+            status = 1
+        flushed(sys.stderr, 2)
+        if _plugins_were_here():
+            os._exit(status)
     return status
 
 
